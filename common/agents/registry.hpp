@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/agents/agent.hpp"
+#include "common/base/parameters.hpp"
+
+namespace aloft::agents {
+
+/// How far an agent sees beyond what a real UAV reports.
+enum class Privilege : std::uint8_t { none, next_step, whole_route };
+
+/// Facts about one type of agent.
+struct AgentType {
+  std::string name;         ///< as in experiment files, e.g. "one-step-ahead"
+  std::string description;  ///< one sentence
+  Privilege privilege = Privilege::none;
+  bool unconstrained = false;  ///< may command Action::absolute
+  bool learns = false;         ///< flown by the learning-agent service, else by the baseline-agent service
+  std::string name_parameter;  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
+  std::vector<ParameterSpec> parameters;
+  std::function<std::unique_ptr<Agent>(const Parameters&)> make;
+};
+
+/// Called once per agent file, at namespace scope: `const bool registered = register_agent({...});`
+bool register_agent(AgentType type);
+
+/// All types, sorted by name.
+[[nodiscard]] std::span<const AgentType> agent_types();
+/// Throws InputError with the nearest valid name.
+[[nodiscard]] const AgentType& agent_type(std::string_view name);
+
+/// One agent of an experiment: its unique name, its type, its checked parameters.
+struct AgentSpec {
+  std::string name;  ///< e.g. "constant-120"
+  std::string type;  ///< e.g. "constant"
+  Parameters parameters;
+
+  [[nodiscard]] std::unique_ptr<Agent> make() const;
+};
+
+/// From an experiment file's entry: "min-height", "constant-120", {"type": "dqn", "loss": "cross-entropy", "name":
+/// "dqn-ce"}. A list as a parameter's value makes one agent per value, named type-value. `where` is the JSON path for
+/// errors (InputError).
+[[nodiscard]] std::vector<AgentSpec> parse_agents(const nlohmann::json& entry, std::string_view where);
+
+}  // namespace aloft::agents

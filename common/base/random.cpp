@@ -1,0 +1,70 @@
+#include "common/base/random.hpp"
+
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace aloft {
+namespace {
+
+constexpr std::uint32_t sequential_marker = 0xFFFFFFFFU;
+constexpr double largest_poisson_piece = 500.0;  // exp(-500) is still a normal double
+
+}  // namespace
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint32_t trial, std::string_view name) noexcept : trial_(trial) {
+  const std::uint64_t key = mix64(seed + 0x9e3779b97f4a7c15U) ^ mix64(name_hash(name));
+  key_ = {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32U)};
+}
+
+std::array<std::uint32_t, 4> RandomStream::block(std::uint32_t a, std::uint32_t b, std::uint32_t c) const noexcept {
+  const r123::Philox4x32 philox;
+  const auto words = philox({{a, b, c, trial_}}, {{key_[0], key_[1]}});
+  return {words[0], words[1], words[2], words[3]};
+}
+
+std::uint32_t RandomStream::next_u32() noexcept {
+  const std::uint64_t wanted = position_ / 4;
+  if (wanted != buffered_block_) {
+    buffer_ = block(sequential_marker, static_cast<std::uint32_t>(wanted), static_cast<std::uint32_t>(wanted >> 32U));
+    buffered_block_ = wanted;
+  }
+  return buffer_[position_++ % 4];
+}
+
+double RandomStream::uniform() noexcept {
+  const std::uint64_t high = next_u32();
+  const std::uint64_t low = next_u32();
+  return (static_cast<double>(((high << 32U) | low) >> 12U) + 0.5) * 0x1p-52;
+}
+
+std::uint32_t RandomStream::uniform_index(std::uint32_t n) noexcept {
+  // Lemire's multiply-and-reject: exact, and almost never draws twice.
+  std::uint64_t product = std::uint64_t{next_u32()} * n;
+  if (static_cast<std::uint32_t>(product) < n) {
+    const std::uint32_t threshold = (0U - n) % n;
+    while (static_cast<std::uint32_t>(product) < threshold) product = std::uint64_t{next_u32()} * n;
+  }
+  return static_cast<std::uint32_t>(product >> 32U);
+}
+
+double RandomStream::exponential() noexcept {
+  return -std::log(uniform());
+}
+
+double RandomStream::normal() noexcept {
+  const double radius = std::sqrt(-2.0 * std::log(uniform()));
+  return radius * std::cos(2.0 * std::numbers::pi * uniform());
+}
+
+std::uint32_t RandomStream::poisson(double mean) noexcept {
+  std::uint32_t count = 0;
+  for (double left = mean; left > 0.0; left -= largest_poisson_piece) {
+    const double limit = std::exp(-std::fmin(left, largest_poisson_piece));
+    for (double product = uniform(); product > limit; product *= uniform()) ++count;
+  }
+  return count;
+}
+
+}  // namespace aloft

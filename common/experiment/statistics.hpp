@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace aloft::experiment {
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Arithmetic mean, summed in order. NaN for an empty sample, as are all below.
+[[nodiscard]] double mean(std::span<const double> sample);
+/// Linear interpolation between order statistics (R's type 7); p in [0, 1].
+[[nodiscard]] double quantile(std::span<const double> sample, double p);
+/// Mean of the middle half: the lowest and highest 25 % are left out, with fractional weights.
+[[nodiscard]] double interquartile_mean(std::span<const double> sample);
+
+/// 95 % percentile bootstrap interval of the mean: 10,000 resamples, seeded, so equal samples give equal intervals.
+[[nodiscard]] Interval bootstrap_ci95(std::span<const double> sample, std::uint64_t seed);
+
+/// Share of pairs (a_i, b_i) on the same worlds with a_i > b_i; ties count half.
+[[nodiscard]] double probability_of_improvement(std::span<const double> a, std::span<const double> b);
+
+}  // namespace aloft::experiment

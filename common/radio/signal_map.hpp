@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/agents/observation.hpp"
+#include "common/world/world.hpp"
+
+namespace aloft::radio {
+
+/// What the modem reads at one place.
+struct Reading {
+  double qos = 0.0;  ///< bit/s/Hz or kbit/s: SignalMap::qos_kind
+  double serving_sinr_db = 0.0;
+  std::int32_t serving_cell = -1;
+  std::uint32_t neighbour_count = 0;
+  std::array<double, agents::max_neighbours> neighbour_sinr_db{};  ///< descending
+};
+
+/// The heights of a world: index i is height_min_m + i * resolution_m.
+struct HeightGrid {
+  double height_min_m = 0.0;
+  double height_max_m = 0.0;
+  double height_step_m = 0.0;  ///< d: one action
+  double resolution_m = 0.0;   ///< of the table; divides height_step_m
+
+  [[nodiscard]] std::uint32_t size() const noexcept {
+    return static_cast<std::uint32_t>((height_max_m - height_min_m) / resolution_m + 0.5) + 1;
+  }
+  [[nodiscard]] std::uint32_t indices_per_step() const noexcept {
+    return static_cast<std::uint32_t>(height_step_m / resolution_m + 0.5);
+  }
+  [[nodiscard]] double height_m(std::uint32_t index) const noexcept { return height_min_m + resolution_m * index; }
+};
+
+/// All that a UAV can measure in one trial: readings over (route point, lateral position, height). Every agent of the
+/// trial reads the same map. Columns are computed when first asked for and kept; not thread-safe.
+class SignalMap {
+ public:
+  virtual ~SignalMap() = default;
+
+  [[nodiscard]] virtual agents::QosKind qos_kind() const noexcept = 0;
+  [[nodiscard]] virtual const HeightGrid& heights() const noexcept = 0;
+  /// Actions in a flight. The result of step j is read at route point result_point(j).
+  [[nodiscard]] virtual std::uint32_t steps() const noexcept = 0;
+  /// 0-based. Generated: result_point(j) = j (point 0 is never scored). Measured: j - 1.
+  [[nodiscard]] virtual std::uint32_t result_point(std::uint32_t step) const noexcept = 0;
+
+  /// Where the route starts, before the first action.
+  [[nodiscard]] virtual world::Position start() const noexcept = 0;
+  /// Where a UAV that was at `from`, served by base station `serving_cell`, is at the next route point. With the
+  /// `nearest` route rule and in measured flights this depends on `point` alone.
+  [[nodiscard]] virtual world::Position advance(std::uint32_t point, world::Position from,
+                                                std::int32_t serving_cell) const noexcept = 0;
+  /// True if advance() depends on the point alone, so that the whole route is known beforehand.
+  [[nodiscard]] virtual bool fixed_route() const noexcept = 0;
+
+  /// The readings at every height of heights() at this place. The reference stays valid as long as the map.
+  [[nodiscard]] virtual const std::vector<Reading>& column(std::uint32_t point, world::Position position) = 0;
+};
+
+}  // namespace aloft::radio

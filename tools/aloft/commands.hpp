@@ -1,0 +1,35 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "common/experiment/experiment.hpp"
+
+namespace aloft::cli {
+
+/// What the chosen subcommand does; returns the exit code.
+using Job = std::function<int()>;
+
+/// Each adds one subcommand to `app`; when the command line names it, `job` is set.
+void add_run(CLI::App& app, Job& job);
+void add_validate(CLI::App& app, Job& job);
+void add_agents(CLI::App& app, Job& job);
+void add_export(CLI::App& app, Job& job);
+void add_digest(CLI::App& app, Job& job);
+void add_inspect(CLI::App& app, Job& job);
+
+/// An experiment file and what the command line changes in it.
+struct ExperimentOptions {
+  std::filesystem::path file;
+  experiment::Overrides overrides;
+
+  void add_to(CLI::App& command);
+  [[nodiscard]] experiment::Experiment load() const { return experiment::load(file, overrides); }
+};
+
+/// Adds "--format" with these choices; the first is the default.
+void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices);
+
+}  // namespace aloft::cli

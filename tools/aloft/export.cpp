@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/store/result_store.hpp"
+#include "tools/aloft/commands.hpp"
+
+namespace aloft::cli {
+namespace {
+
+using Row = nlohmann::ordered_json;
+
+std::string_view action_name(agents::Action action) {
+  switch (action) {
+    case agents::Action::none: return "none";
+    case agents::Action::down: return "down";
+    case agents::Action::hold: return "hold";
+    case agents::Action::up: return "up";
+    case agents::Action::absolute: return "absolute";
+  }
+  return "";
+}
+
+/// Writes rows as they come: a CSV with a header line, or a JSON array with one object per line.
+class RowWriter {
+ public:
+  explicit RowWriter(bool json) : json_(json) {}
+
+  void write(const Row& row) {
+    if (json_) {
+      fmt::print("{}{}", first_ ? "[\n" : ",\n", row.dump());
+    } else {
+      if (first_) print_line(row, [](const auto& item) { return item.key(); });
+      print_line(row, [](const auto& item) { return cell(item.value()); });
+    }
+    first_ = false;
+  }
+
+  void finish() {
+    if (json_) fmt::print("{}\n]\n", first_ ? "[" : "");
+  }
+
+ private:
+  static std::string cell(const Row& value) {
+    if (value.is_null()) return "";
+    if (!value.is_string()) return value.dump();
+    const auto text = value.get<std::string>();
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + "\"";
+  }
+
+  template <typename Text>
+  static void print_line(const Row& row, Text text) {
+    std::string line;
+    for (const auto& item : row.items()) line += (line.empty() ? "" : ",") + text(item);
+    fmt::print("{}\n", line);
+  }
+
+  bool json_;
+  bool first_ = true;
+};
+
+Row key_row(const experiment::Experiment& experiment, const experiment::FlightKey& key) {
+  const experiment::Condition& condition = experiment.conditions.at(key.condition);
+  return {{"condition", condition.name},
+          {"trial", key.trial},
+          {"agent", key.agent},
+          {"qos_unit", condition.kind == experiment::WorldKind::measured ? "kbit/s" : "bit/s/Hz"}};
+}
+
+void export_flights(const store::ResultStore& results, RowWriter& rows) {
+  for (const store::FlightSummary& flight : results.flights()) {
+    Row row = key_row(results.experiment(), flight.key);
+    row["qos_mean"] = flight.qos_mean;
+    row["height_mean_m"] = flight.height_mean_m;
+    row["height_changes"] = flight.height_changes;
+    row["digest"] = flight.digest;
+    rows.write(row);
+  }
+}
+
+Row step_row(Row row, const flight::FlightRecord& record, const flight::StepRecord& step) {
+  row["step"] = step.step;
+  row["action"] = action_name(step.action);
+  row["flown_by"] = record.pilots.at(step.flown_by);
+  row["x_m"] = step.x_m;
+  row["y_m"] = step.y_m;
+  row["height_m"] = step.height_m;
+  row["serving_cell"] = step.serving_cell;
+  row["serving_sinr_db"] = step.serving_sinr_db;
+  row["qos"] = step.qos;
+  row["reward"] = step.reward;
+  const auto& thoughts = step.introspection;
+  const auto optional = [&](double value) { return thoughts ? Row(value) : Row(); };
+  row["epsilon"] = optional(thoughts ? thoughts->epsilon : 0.0);
+  row["loss"] = optional(thoughts ? thoughts->loss : 0.0);
+  row["q_down"] = optional(thoughts ? thoughts->q_values[0] : 0.0);
+  row["q_hold"] = optional(thoughts ? thoughts->q_values[1] : 0.0);
+  row["q_up"] = optional(thoughts ? thoughts->q_values[2] : 0.0);
+  return row;
+}
+
+void export_steps(const store::ResultStore& results, RowWriter& rows) {
+  for (const store::FlightSummary& flight : results.flights()) {
+    const Row key = key_row(results.experiment(), flight.key);
+    const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
+    for (const flight::StepRecord& step : record.steps) rows.write(step_row(key, record, step));
+  }
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Job& job) {
+  struct Options {
+    std::filesystem::path dir;
+    bool steps = false;
+    bool flights = false;
+    std::string format;
+  };
+  auto* command = app.add_subcommand("export", "Write the flights or the single steps of a result folder to standard output");
+  auto options = std::make_shared<Options>();
+  command->add_option("dir", options->dir, "Result folder of 'aloft run'")->required();
+  auto* what = command->add_option_group("what")->require_option(1);
+  what->add_flag("--flights", options->flights, "One row per flight");
+  what->add_flag("--steps", options->steps, "One row per step of every flight");
+  add_format(*command, options->format, {"csv", "json"});
+  command->callback([options, &job] {
+    job = [options] {
+      const auto results = store::ResultStore::open_for_reading(options->dir);
+      RowWriter rows(options->format == "json");
+      options->steps ? export_steps(results, rows) : export_flights(results, rows);
+      rows.finish();
+      return 0;
+    };
+  });
+}
+
+}  // namespace aloft::cli

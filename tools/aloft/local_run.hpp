@@ -1,0 +1,27 @@
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/experiment/experiment.hpp"
+#include "tools/aloft/progress.hpp"
+
+namespace aloft::cli {
+
+/// One run of all services on this machine.
+struct LocalRun {
+  std::filesystem::path dir;  ///< result folder, made and checked by the caller
+  unsigned workers = 1;
+  unsigned fail_fast = 0;
+  bool shuffled = false;
+  int domain = 0;
+};
+
+/// Starts metrics, coordinator and workers, restarts what dies, shows progress, and ends them all. Returns true if every
+/// flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
+bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress, const std::atomic<bool>& interrupted,
+               std::vector<std::string>& failures);
+
+}  // namespace aloft::cli

@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "common/base/build_info.hpp"
+#include "common/base/error.hpp"
+#include "common/base/nearest.hpp"
+#include "tools/aloft/commands.hpp"
+
+namespace {
+
+std::vector<std::string> names_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// A wrong flag or command: say which, and what was probably meant.
+int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& arguments) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  const std::vector<std::string> names = names_of(*command);
+  std::string hint;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr || dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+    for (const std::string& argument : arguments) {
+      const std::string word = argument.substr(0, argument.find('='));
+      const bool looked_for = word.rfind("--", 0) == 0 || command == &app;
+      if (looked_for && hint.empty() && std::find(names.begin(), names.end(), word) == names.end())
+        hint = aloft::did_you_mean(word, names);
+    }
+  }
+  std::string path;
+  for (const CLI::App* part = command; part != nullptr; part = part->get_parent()) path = part->get_name() + (path.empty() ? "" : " ") + path;
+  fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, error.what(), hint, path);
+  return aloft::exit_bad_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace aloft::cli;
+  CLI::App app{"Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.", "aloft"};
+  app.set_version_flag("--version", std::string(aloft::build_id()));
+  app.require_subcommand(1);
+  app.footer("Start with: aloft run data/experiments/quick.json");
+  Job job;
+  add_run(app, job);
+  add_validate(app, job);
+  add_agents(app, job);
+  add_inspect(app, job);
+  add_export(app, job);
+  add_digest(app, job);
+  try {
+    app.parse(argc, argv);
+    return job();
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return report_usage_error(app, error, std::vector<std::string>(argv + 1, argv + argc));
+  } catch (const aloft::InputError& error) {
+    fmt::print(stderr, "aloft: {}\n", error.what());
+    return aloft::exit_bad_input;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "aloft: {}\n", error.what());
+    return aloft::exit_failure;
+  }
+}

@@ -1,0 +1,100 @@
+#include "services/metrics/instruments.hpp"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <array>
+#include <sstream>
+
+namespace aloft::metrics {
+namespace {
+
+constexpr std::array rejections{Rejection::other_experiment, Rejection::unknown_flight, Rejection::bad_trace};
+
+prometheus::Counter& counter(prometheus::Registry& registry, const std::string& name, const std::string& help) {
+  return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
+}
+
+prometheus::Gauge& gauge(prometheus::Registry& registry, const std::string& name, const std::string& help) {
+  return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
+}
+
+}  // namespace
+
+std::string_view to_text(Rejection reason) noexcept {
+  switch (reason) {
+    case Rejection::other_experiment:
+      return "other_experiment";
+    case Rejection::unknown_flight:
+      return "unknown_flight";
+    case Rejection::bad_trace:
+      return "bad_trace";
+  }
+  return "unknown";
+}
+
+struct Instruments::State {
+  prometheus::Registry registry;
+  prometheus::Counter& flights = counter(registry, "aloft_flights_stored_total", "Flights committed by this process");
+  prometheus::Counter& steps = counter(registry, "aloft_steps_stored_total", "Steps of those flights");
+  prometheus::Counter& duplicates =
+      counter(registry, "aloft_records_duplicate_total", "Records of flights that were stored before");
+  prometheus::Histogram& commit_seconds =
+      prometheus::BuildHistogram()
+          .Name("aloft_store_commit_seconds")
+          .Help("Time of one durable commit")
+          .Register(registry)
+          .Add({}, prometheus::Histogram::BucketBoundaries{0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0});
+  prometheus::Gauge& paused = gauge(registry, "aloft_store_paused", "1 while nothing can be stored, else 0");
+  prometheus::Gauge& dropped = gauge(registry, "aloft_samples_dropped",
+                                     "Samples the bus dropped: malformed, or of another version or experiment");
+  prometheus::Gauge& flights_total = gauge(registry, "aloft_flights_total", "Flights of the experiment");
+  prometheus::Gauge& workers = gauge(registry, "aloft_workers_alive", "Workers the coordinator knows");
+  std::array<prometheus::Counter*, rejections.size()> rejected{};
+};
+
+Instruments::Instruments() : state_(std::make_unique<State>()) {
+  auto& family = prometheus::BuildCounter()
+                     .Name("aloft_records_rejected_total")
+                     .Help("Records that were not stored because they are wrong")
+                     .Register(state_->registry);
+  for (const Rejection reason : rejections)
+    state_->rejected[static_cast<std::size_t>(reason)] = &family.Add({{"reason", std::string(to_text(reason))}});
+}
+
+Instruments::~Instruments() = default;
+
+void Instruments::stored(std::size_t steps) {
+  state_->flights.Increment();
+  state_->steps.Increment(static_cast<double>(steps));
+}
+void Instruments::duplicate() {
+  state_->duplicates.Increment();
+}
+void Instruments::rejected(Rejection reason) {
+  state_->rejected[static_cast<std::size_t>(reason)]->Increment();
+}
+void Instruments::committed(double seconds) {
+  state_->commit_seconds.Observe(seconds);
+}
+void Instruments::set_paused(bool paused) {
+  state_->paused.Set(paused ? 1.0 : 0.0);
+}
+void Instruments::set_samples_dropped(double total) {
+  state_->dropped.Set(total);
+}
+void Instruments::set_progress(double flights_total, double workers_alive) {
+  state_->flights_total.Set(flights_total);
+  state_->workers.Set(workers_alive);
+}
+
+std::string Instruments::prometheus_text() const {
+  std::ostringstream text;
+  prometheus::TextSerializer().Serialize(text, state_->registry.Collect());
+  return text.str();
+}
+
+}  // namespace aloft::metrics

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace aloft::metrics {
+
+/// Why a record is refused; the label of aloft_records_rejected_total.
+enum class Rejection { other_experiment, unknown_flight, bad_trace };
+[[nodiscard]] std::string_view to_text(Rejection reason) noexcept;
+
+/// The collector's numbers in Prometheus' terms. Thread-safe.
+class Instruments {
+ public:
+  Instruments();
+  ~Instruments();
+  Instruments(const Instruments&) = delete;
+  Instruments& operator=(const Instruments&) = delete;
+
+  void stored(std::size_t steps);
+  void duplicate();
+  void rejected(Rejection reason);
+  void committed(double seconds);
+  void set_paused(bool paused);
+  /// Samples that the bus dropped so far: malformed, or of another version or experiment.
+  void set_samples_dropped(double total);
+  void set_progress(double flights_total, double workers_alive);
+
+  /// Text exposition format 0.0.4.
+  [[nodiscard]] std::string prometheus_text() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace aloft::metrics

@@ -1,0 +1,246 @@
+#include "services/coordinator/coordinator.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/error.hpp"
+
+namespace aloft::coordinator {
+namespace {
+
+constexpr std::size_t max_agents = 64;   // as many as an assignment can name
+constexpr std::size_t names_listed = 4;  // in messages
+constexpr double rate_memory_s = 5.0;    // of the moving averages
+constexpr auto trouble_shown = std::chrono::seconds(20);
+
+LedgerOptions ledger_options(const experiment::Experiment& experiment, const CoordinatorOptions& options,
+                             std::uint32_t first_grant) {
+  if (experiment.agents.size() > max_agents)
+    throw InputError(fmt::format("{}: \"agents\" names {} agents; allowed: 1 to {}; split the experiment",
+                                 experiment.name, experiment.agents.size(), max_agents));
+  LedgerOptions ledger;
+  ledger.conditions = static_cast<std::uint32_t>(experiment.conditions.size());
+  ledger.trials = experiment.trials;
+  ledger.agents = static_cast<std::uint32_t>(experiment.agents.size());
+  ledger.max_attempts = std::clamp(experiment.max_attempts, 1U, 255U);
+  ledger.heartbeat_timeout = options.heartbeat_timeout;
+  ledger.unclaimed_timeout = options.unclaimed_timeout;
+  ledger.order = options.order;
+  ledger.order_seed = first_grant;  // results must not depend on the order, so any will do
+  ledger.first_grant = first_grant;
+  return ledger;
+}
+
+double seconds(Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+Coordinator::Coordinator(const experiment::Experiment& experiment, const CoordinatorOptions& options,
+                         std::uint32_t first_grant, Clock::time_point now)
+    : experiment_(experiment),
+      options_(options),
+      ledger_(ledger_options(experiment, options, first_grant)),
+      grant_from_(now),
+      worker_seen_(now),
+      stored_at_(now),
+      rates_at_(now) {
+  for (const auto& agent : experiment.agents)
+    agent_index_.emplace(agent.name, static_cast<std::uint32_t>(agent_index_.size()));
+}
+
+bool Coordinator::resume(const experiment::FlightKey& flight) {
+  if (!known(flight)) return false;
+  // worker_seen_ is still the moment of the start.
+  grant_from_ = worker_seen_ + options_.adoption_time;
+  store(flight);
+  return true;
+}
+
+void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
+  take_failures(news, now);
+  const HeartbeatResult result = ledger_.heartbeat(news.report, now);
+  const std::string name(news.report.name);
+  count_steps(news);
+  worker_seen_ = now;
+  if (records_unconfirmed() == 0) stored_at_ = now;
+  if (result.joined)
+    spdlog::info("worker {} is here (process {}); {} workers", name, news.report.incarnation, workers_.size());
+  if (!result.adopted.empty()) spdlog::info("worker {} is flying {}", name, trial_names(result.adopted));
+  if (!result.lost.empty())
+    trouble(fmt::format("worker {} no longer flies {}; to be flown again", name, trial_names(result.lost)), now);
+  for (const std::uint64_t lease : result.cancel) {
+    Order order;
+    order.worker = name;
+    order.lease = lease;
+    order.cancelled = true;
+    if (const auto trial = ledger_.trial_of(lease)) std::tie(order.condition, order.trial) = *trial;
+    cancellations_.push_back(std::move(order));
+  }
+}
+
+bool Coordinator::on_flight_stored(const experiment::FlightKey& flight, Clock::time_point now) {
+  if (!known(flight)) return false;
+  if (store(flight)) {
+    ++flights_.count;
+    stored_at_ = now;
+  }
+  return true;
+}
+
+std::vector<Order> Coordinator::tick(Clock::time_point now) {
+  tell_lost(ledger_.expire(now), now);
+  if (const double elapsed_s = seconds(now - rates_at_); elapsed_s >= 0.5) {
+    flights_.update(elapsed_s);
+    steps_.update(elapsed_s);
+    rates_at_ = now;
+  }
+  std::vector<Order> orders = std::exchange(cancellations_, {});
+  if (now < grant_from_ || over()) return orders;
+  while (auto lease = ledger_.grant(now)) {
+    Order order{std::move(lease->worker), lease->id, lease->condition, lease->trial, lease->attempt, {}, false};
+    for (const std::uint32_t agent : lease->agents) order.agents.push_back(experiment_.agents[agent].name);
+    if (order.attempt > 1)
+      spdlog::info("{} goes to worker {}, attempt {}", trial_name(order.condition, order.trial), order.worker,
+                   order.attempt);
+    orders.push_back(std::move(order));
+  }
+  return orders;
+}
+
+Progress Coordinator::progress(Clock::time_point now) const {
+  Progress progress;
+  progress.flights_total = ledger_.flights_total();
+  progress.flights_stored = ledger_.flights_stored();
+  progress.trials_pending = ledger_.count(TrialState::pending) + ledger_.count(TrialState::lost);
+  progress.trials_leased = ledger_.count(TrialState::leased);
+  progress.trials_done = ledger_.count(TrialState::done);
+  progress.trials_failed = ledger_.count(TrialState::failed);
+  progress.workers_alive = static_cast<std::uint32_t>(ledger_.workers_alive());
+  progress.flights_per_s = flights_.per_s;
+  progress.steps_per_s = steps_.per_s;
+  if (!ledger_.finished()) progress.message = waiting_for(now);
+  if (progress.message.empty() && !trouble_.empty() && now - trouble_at_ < trouble_shown) progress.message = trouble_;
+  return progress;
+}
+
+bool Coordinator::over() const {
+  const bool too_many_failed = options_.fail_fast > 0 && ledger_.count(TrialState::failed) >= options_.fail_fast;
+  return ledger_.finished() || too_many_failed;
+}
+
+std::vector<std::string> Coordinator::failure_report() const {
+  std::vector<std::string> lines;
+  for (const Failure& failure : ledger_.failures())
+    lines.push_back(fmt::format("{} (agents {}): {}", trial_name(failure.condition, failure.trial),
+                                missing_agents(failure.condition, failure.trial), failure.reason));
+  return lines;
+}
+
+bool Coordinator::known(const experiment::FlightKey& flight) const {
+  return flight.condition < experiment_.conditions.size() && flight.trial < experiment_.trials &&
+         agent_index_.contains(flight.agent);
+}
+
+bool Coordinator::store(const experiment::FlightKey& flight) {
+  return ledger_.flight_stored(flight.condition, flight.trial, agent_index_.find(flight.agent)->second);
+}
+
+std::string Coordinator::trial_name(std::uint32_t condition, std::uint32_t trial) const {
+  return fmt::format("trial {} of condition {} ({})", trial, condition, experiment_.conditions[condition].name);
+}
+
+std::string Coordinator::trial_names(const std::vector<std::uint64_t>& leases) const {
+  std::vector<std::string> names;
+  for (const std::uint64_t lease : leases)
+    if (const auto trial = ledger_.trial_of(lease); trial && names.size() < names_listed)
+      names.push_back(trial_name(trial->first, trial->second));
+  return fmt::format("{}{}", fmt::join(names, ", "),
+                     leases.size() > names.size() ? fmt::format(" and {} more", leases.size() - names.size()) : "");
+}
+
+std::string Coordinator::missing_agents(std::uint32_t condition, std::uint32_t trial) const {
+  std::vector<std::string_view> names;
+  for (std::uint32_t agent = 0; agent < experiment_.agents.size(); ++agent)
+    if (!ledger_.is_stored(condition, trial, agent)) names.emplace_back(experiment_.agents[agent].name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// Whom we wait for, or nothing.
+std::string Coordinator::waiting_for(Clock::time_point now) const {
+  if (workers_.empty()) {
+    const auto silence = now - worker_seen_;
+    return silence < options_.patience
+               ? ""
+               : fmt::format("no worker for {:.0f} s; waiting for one to join", seconds(silence));
+  }
+  if (const auto silence = now - stored_at_; silence >= options_.patience)
+    return fmt::format("{} finished flights have not been stored for {:.0f} s; waiting for aloft-metrics",
+                       records_unconfirmed(), seconds(silence));
+  for (const auto& [name, worker] : workers_)
+    if (!worker.waits_for.empty()) return fmt::format("worker {} waits for {}", name, worker.waits_for);
+  return "";
+}
+
+std::uint64_t Coordinator::records_unconfirmed() const {
+  std::uint64_t records = 0;
+  for (const auto& [name, worker] : workers_) records += worker.records_unconfirmed;
+  return records;
+}
+
+void Coordinator::count_steps(const WorkerNews& news) {
+  auto at = workers_.find(news.report.name);
+  if (at == workers_.end()) at = workers_.try_emplace(std::string(news.report.name)).first;
+  WorkerProgress& worker = at->second;
+  if (worker.incarnation != news.report.incarnation) {
+    worker.incarnation = news.report.incarnation;
+    worker.steps_done = news.steps_done;  // what it did before is not ours to count
+  }
+  if (news.steps_done > worker.steps_done) steps_.count += news.steps_done - worker.steps_done;
+  worker.steps_done = news.steps_done;
+  worker.records_unconfirmed = news.records_unconfirmed;
+  worker.waits_for = news.waits_for;
+}
+
+void Coordinator::take_failures(const WorkerNews& news, Clock::time_point now) {
+  for (const auto& [lease, reason] : news.failed_leases) {
+    const std::uint64_t failed_before = ledger_.count(TrialState::failed);
+    const std::uint64_t leased_before = ledger_.count(TrialState::leased);
+    ledger_.lease_failed(lease, reason);
+    if (ledger_.count(TrialState::leased) == leased_before) continue;  // old news
+    const auto [condition, trial] = *ledger_.trial_of(lease);
+    const bool for_good = ledger_.count(TrialState::failed) > failed_before;
+    trouble(fmt::format("{} failed {}on worker {}: {}", trial_name(condition, trial), for_good ? "for good " : "",
+                        news.report.name, reason),
+            now);
+  }
+}
+
+void Coordinator::tell_lost(const std::vector<LostWorker>& lost, Clock::time_point now) {
+  for (const LostWorker& worker : lost) {
+    workers_.erase(worker.name);
+    trouble(fmt::format("worker {} has been silent for {:.1f} s; {}", worker.name, seconds(worker.silent_for),
+                        worker.leases.empty() ? "it flew nothing" : trial_names(worker.leases) + " to be flown again"),
+            now);
+  }
+}
+
+void Coordinator::trouble(std::string what, Clock::time_point now) {
+  spdlog::warn("{}", what);
+  trouble_ = std::move(what);
+  trouble_at_ = now;
+}
+
+void Coordinator::Rate::update(double elapsed_s) {
+  const double current = static_cast<double>(count - counted) / elapsed_s;
+  per_s += (current - per_s) * (1.0 - std::exp(-elapsed_s / rate_memory_s));
+  counted = count;
+}
+
+}  // namespace aloft::coordinator

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/experiment/experiment.hpp"
+#include "services/coordinator/lease_ledger.hpp"
+
+namespace aloft::coordinator {
+
+struct CoordinatorOptions {
+  TrialOrder order = TrialOrder::canonical;
+  std::uint32_t fail_fast = 0;  ///< stop after so many trials failed for good; 0: never
+  Clock::duration heartbeat_timeout = std::chrono::seconds(3);
+  Clock::duration unclaimed_timeout = std::chrono::seconds(5);
+  /// A resumed run first listens this long for leases that are still being flown.
+  Clock::duration adoption_time = std::chrono::seconds(1);
+  /// Silence after which the status says what is waited for.
+  Clock::duration patience = std::chrono::seconds(4);
+};
+
+/// What a worker's status says, apart from the wire.
+struct WorkerNews {
+  WorkerReport report;
+  std::uint64_t steps_done = 0;                                      ///< since the worker started
+  std::uint32_t records_unconfirmed = 0;                             ///< finished flights that it still has to keep
+  std::string_view waits_for;                                        ///< missing peers, as the worker names them
+  std::vector<std::pair<std::uint64_t, std::string>> failed_leases;  ///< with the reason; may come again and again
+};
+
+/// To be sent to a worker: fly this trial, or (cancelled) forget it.
+struct Order {
+  std::string worker;
+  std::uint64_t lease = 0;
+  std::uint32_t condition = 0;
+  std::uint32_t trial = 0;
+  std::uint32_t attempt = 0;
+  std::vector<std::string> agents;
+  bool cancelled = false;
+};
+
+struct Progress {
+  std::uint64_t flights_total = 0;
+  std::uint64_t flights_stored = 0;
+  std::uint64_t trials_pending = 0;  ///< lost ones included
+  std::uint64_t trials_leased = 0;
+  std::uint64_t trials_done = 0;
+  std::uint64_t trials_failed = 0;
+  std::uint32_t workers_alive = 0;
+  double flights_per_s = 0.0;  ///< means of the last seconds
+  double steps_per_s = 0.0;
+  std::string message;  ///< whom we wait for, or the last trouble; empty if all is well
+};
+
+/// Runs one experiment over the workers that report: the ledger, names, and words for people. No bus; the clock is
+/// passed in.
+class Coordinator {
+ public:
+  Coordinator(const experiment::Experiment& experiment, const CoordinatorOptions& options, std::uint32_t first_grant,
+              Clock::time_point now);
+
+  /// A flight was stored before this process started. False if the experiment has no such flight.
+  bool resume(const experiment::FlightKey& flight);
+
+  void on_worker(const WorkerNews& news, Clock::time_point now);
+  /// False if the experiment has no such flight.
+  bool on_flight_stored(const experiment::FlightKey& flight, Clock::time_point now);
+
+  /// Notices silent workers and hands out leases; what has to be sent.
+  [[nodiscard]] std::vector<Order> tick(Clock::time_point now);
+
+  [[nodiscard]] Progress progress(Clock::time_point now) const;
+  /// Every trial is done or failed, or too many failed (fail_fast).
+  [[nodiscard]] bool over() const;
+  [[nodiscard]] bool succeeded() const { return ledger_.finished() && ledger_.count(TrialState::failed) == 0; }
+  /// One line per trial that failed for good, at most LeaseLedger::reasons_kept.
+  [[nodiscard]] std::vector<std::string> failure_report() const;
+
+ private:
+  struct WorkerProgress {
+    std::uint64_t incarnation = 0;
+    std::uint64_t steps_done = 0;
+    std::uint32_t records_unconfirmed = 0;
+    std::string waits_for;
+  };
+  struct Rate {
+    double per_s = 0.0;
+    std::uint64_t count = 0;
+    std::uint64_t counted = 0;
+    void update(double elapsed_s);
+  };
+
+  [[nodiscard]] bool known(const experiment::FlightKey& flight) const;
+  bool store(const experiment::FlightKey& flight);
+  [[nodiscard]] std::string trial_name(std::uint32_t condition, std::uint32_t trial) const;
+  [[nodiscard]] std::string trial_names(const std::vector<std::uint64_t>& leases) const;
+  [[nodiscard]] std::string missing_agents(std::uint32_t condition, std::uint32_t trial) const;
+  [[nodiscard]] std::string waiting_for(Clock::time_point now) const;
+  [[nodiscard]] std::uint64_t records_unconfirmed() const;
+  void count_steps(const WorkerNews& news);
+  void take_failures(const WorkerNews& news, Clock::time_point now);
+  void tell_lost(const std::vector<LostWorker>& lost, Clock::time_point now);
+  void trouble(std::string what, Clock::time_point now);
+
+  const experiment::Experiment& experiment_;
+  CoordinatorOptions options_;
+  LeaseLedger ledger_;
+  std::map<std::string, std::uint32_t, std::less<>> agent_index_;
+  std::map<std::string, WorkerProgress, std::less<>> workers_;
+  std::vector<Order> cancellations_;
+  Clock::time_point grant_from_;
+  Clock::time_point worker_seen_;  // last time that one was alive
+  Clock::time_point stored_at_;    // last time that a flight was stored, or that none waited for it
+  std::string trouble_;
+  Clock::time_point trouble_at_;
+  Rate flights_;
+  Rate steps_;
+  Clock::time_point rates_at_;
+};
+
+}  // namespace aloft::coordinator

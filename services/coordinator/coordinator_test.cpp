@@ -1,0 +1,185 @@
+#include "services/coordinator/coordinator.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <catch2/catch.hpp>
+
+#include "common/base/error.hpp"
+
+using namespace aloft;
+using namespace aloft::coordinator;
+using namespace std::chrono_literals;
+
+namespace {
+
+const Clock::time_point start{};
+const bool quiet = (spdlog::set_level(spdlog::level::off), true);
+
+experiment::Experiment small_experiment() {
+  experiment::Experiment experiment;
+  experiment.name = "small";
+  experiment.trials = 2;
+  experiment.max_attempts = 2;
+  for (const char* name : {"density=1", "density=5"}) {
+    experiment::Condition condition;
+    condition.index = static_cast<std::uint32_t>(experiment.conditions.size());
+    condition.name = name;
+    experiment.conditions.push_back(condition);
+  }
+  for (const char* name : {"min-height", "dqn"}) experiment.agents.push_back({name, name, {}});
+  return experiment;
+}
+
+WorkerNews news(std::string_view name, std::vector<std::uint64_t>& leases, std::uint32_t capacity = 1) {
+  WorkerNews news;
+  news.report = {name, 1, capacity, leases};
+  return news;
+}
+
+}  // namespace
+
+TEST_CASE("a run from the first worker to the last flight", "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 100, start);
+  std::vector<std::uint64_t> leases;
+  auto now = start;
+  std::size_t trials = 0;
+  while (!coordinator.over()) {
+    coordinator.on_worker(news("w0", leases), now);
+    const auto orders = coordinator.tick(now);
+    REQUIRE(orders.size() == 1);
+    CHECK(orders[0].agents == std::vector<std::string>{"min-height", "dqn"});
+    CHECK(orders[0].attempt == 1);
+    for (const auto& agent : orders[0].agents)
+      CHECK(coordinator.on_flight_stored({orders[0].condition, orders[0].trial, agent}, now));
+    ++trials;
+    now += 100ms;
+  }
+  CHECK(trials == 4);
+  CHECK(coordinator.succeeded());
+  const Progress progress = coordinator.progress(now);
+  CHECK(progress.flights_stored == 8);
+  CHECK(progress.flights_total == 8);
+  CHECK(progress.trials_done == 4);
+  CHECK(progress.message.empty());
+}
+
+TEST_CASE("flights of another experiment are not counted", "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 0, start);
+  CHECK_FALSE(coordinator.on_flight_stored({2, 0, "dqn"}, start));
+  CHECK_FALSE(coordinator.on_flight_stored({0, 2, "dqn"}, start));
+  CHECK_FALSE(coordinator.resume({0, 0, "planner"}));
+  CHECK(coordinator.progress(start).flights_stored == 0);
+}
+
+TEST_CASE("a resumed run listens for flights in the air before it hands out trials", "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 0, start);
+  CHECK(coordinator.resume({0, 0, "min-height"}));
+  std::vector<std::uint64_t> none;
+  std::vector<std::uint64_t> in_the_air{(0ULL << 32U) | 77U};  // trial 0 of condition 0
+  coordinator.on_worker(news("w1", none), start + 200ms);
+  CHECK(coordinator.tick(start + 200ms).empty());
+  coordinator.on_worker(news("w0", in_the_air), start + 400ms);
+  const auto orders = coordinator.tick(start + 1s);
+  REQUIRE(orders.size() == 1);
+  CHECK(orders[0].worker == "w1");
+  CHECK(orders[0].trial == 1);
+}
+
+TEST_CASE("leases held without right are cancelled", "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 0, start);
+  for (const char* agent : {"min-height", "dqn"}) coordinator.on_flight_stored({0, 1, agent}, start);
+  std::vector<std::uint64_t> stale{(1ULL << 32U) | 5U};
+  coordinator.on_worker(news("w0", stale), start);
+  const auto orders = coordinator.tick(start);
+  REQUIRE(orders.size() == 2);
+  CHECK(orders[0].cancelled);
+  CHECK(orders[0].worker == "w0");
+  CHECK(orders[0].lease == stale[0]);
+  CHECK(orders[0].trial == 1);
+  CHECK_FALSE(orders[1].cancelled);
+}
+
+TEST_CASE("failures are named with their reason and reported at the end", "[coordinator]") {
+  const auto experiment = small_experiment();
+  CoordinatorOptions options;
+  SECTION("the rest goes on") {}
+  SECTION("unless told otherwise") {
+    options.fail_fast = 1;
+  }
+  Coordinator coordinator(experiment, options, 0, start);
+  coordinator.on_flight_stored({0, 0, "min-height"}, start);
+  std::vector<std::uint64_t> leases;
+  for (int round = 0; round < 20 && !coordinator.over(); ++round) {
+    WorkerNews report = news("w0", leases);
+    coordinator.on_worker(report, start);
+    for (const Order& order : coordinator.tick(start)) {
+      if (order.condition == 0 && order.trial == 0) {
+        report.failed_leases = {{order.lease, "no command from dqn for 60 s"}};
+        coordinator.on_worker(report, start);
+        CHECK_THAT(coordinator.progress(start).message, Catch::Contains("trial 0 of condition 0 (density=1) failed") &&
+                                                            Catch::Contains("worker w0: no command from dqn"));
+        coordinator.on_worker(report, start);  // reports repeat their failures
+      } else {
+        for (const auto& agent : order.agents)
+          coordinator.on_flight_stored({order.condition, order.trial, agent}, start);
+      }
+    }
+  }
+  REQUIRE(coordinator.over());
+  CHECK_FALSE(coordinator.succeeded());
+  CHECK(coordinator.failure_report() ==
+        std::vector<std::string>{"trial 0 of condition 0 (density=1) (agents dqn): no command from dqn for 60 s"});
+  if (options.fail_fast == 0) CHECK(coordinator.progress(start).trials_done == 3);
+}
+
+TEST_CASE("the status names whom the run waits for", "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 0, start);
+  CHECK(coordinator.progress(start + 3s).message.empty());
+  CHECK(coordinator.progress(start + 7s).message == "no worker for 7 s; waiting for one to join");
+
+  std::vector<std::uint64_t> leases;
+  WorkerNews report = news("w0", leases);
+  report.waits_for = "agent 'dqn' since 4 s";
+  coordinator.on_worker(report, start + 10s);
+  CHECK(coordinator.progress(start + 10s).message == "worker w0 waits for agent 'dqn' since 4 s");
+
+  report.waits_for = "";
+  report.records_unconfirmed = 3;
+  coordinator.on_worker(report, start + 12s);
+  CHECK(coordinator.progress(start + 12s).message.empty());
+  CHECK(coordinator.progress(start + 14s).message ==
+        "3 finished flights have not been stored for 4 s; waiting for aloft-metrics");
+
+  (void)coordinator.tick(start + 15500ms);  // 3.5 s after its last report
+  CHECK(coordinator.progress(start + 15500ms).workers_alive == 0);
+  CHECK_THAT(coordinator.progress(start + 15500ms).message, Catch::Contains("worker w0 has been silent for 3.5 s"));
+}
+
+TEST_CASE("rates follow the flights and steps of the last seconds", "[coordinator]") {
+  auto experiment = small_experiment();
+  experiment.trials = 1000;
+  Coordinator coordinator(experiment, {}, 0, start);
+  std::vector<std::uint64_t> leases;
+  WorkerNews report = news("w0", leases, 0);
+  report.steps_done = 1'000'000;  // before our time
+  coordinator.on_worker(report, start);
+  for (std::uint32_t second = 1; second <= 60; ++second) {
+    report.steps_done += 500;
+    coordinator.on_worker(report, start + second * 1s);
+    for (std::uint32_t i = 0; i < 5; ++i) coordinator.on_flight_stored({0, 5 * second + i, "dqn"}, start);
+    (void)coordinator.tick(start + second * 1s);
+  }
+  CHECK(coordinator.progress(start + 60s).steps_per_s == Approx(500).epsilon(0.01));
+  CHECK(coordinator.progress(start + 60s).flights_per_s == Approx(5).epsilon(0.01));
+}
+
+TEST_CASE("more agents than an assignment can name are refused", "[coordinator]") {
+  auto experiment = small_experiment();
+  for (int i = 0; i < 63; ++i) experiment.agents.push_back({"constant-" + std::to_string(i), "constant", {}});
+  CHECK_THROWS_AS(Coordinator(experiment, {}, 0, start), InputError);
+}

@@ -20,7 +20,7 @@ struct Introspection {
 struct Command {
   Action action = Action::hold;
   double height_m = 0.0;  ///< only with Action::absolute
-  std::optional<Introspection> introspection;
+  std::optional<Introspection> introspection{};
 };
 
 /// A height-control agent. One object flies one UAV at a time; calls alternate:

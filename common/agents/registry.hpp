@@ -17,14 +17,15 @@ enum class Privilege : std::uint8_t { none, next_step, whole_route };
 
 /// Facts about one type of agent.
 struct AgentType {
-  std::string name;         ///< as in experiment files, e.g. "one-step-ahead"
-  std::string description;  ///< one sentence
+  std::string name;           ///< as in experiment files, e.g. "one-step-ahead"
+  std::string description{};  ///< one sentence
   Privilege privilege = Privilege::none;
   bool unconstrained = false;  ///< may command Action::absolute
   bool learns = false;         ///< flown by the learning-agent service, else by the baseline-agent service
-  std::string name_parameter;  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
-  std::vector<ParameterSpec> parameters;
-  std::function<std::unique_ptr<Agent>(const Parameters&)> make;
+  bool foreign = false;  ///< flown by a program of the user's over DDS: every instance needs a name, and make throws
+  std::string name_parameter{};  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
+  std::vector<ParameterSpec> parameters{};
+  std::function<std::unique_ptr<Agent>(const Parameters&)> make{};
 };
 
 /// Called once per agent file, at namespace scope: `const bool registered = register_agent({...});`
@@ -45,8 +46,9 @@ struct AgentSpec {
 };
 
 /// From an experiment file's entry: "min-height", "constant-120", {"type": "dqn", "loss": "cross-entropy", "name":
-/// "dqn-ce"}. A list as a parameter's value makes one agent per value, named type-value. `where` is the JSON path for
-/// errors (InputError).
+/// "dqn-ce"}. A list as a parameter's value makes one agent per value, named type-value (several lists: every
+/// combination, values in the order of their keys). Names have at most 64 characters, [a-z0-9.-]. `where` is the JSON
+/// path for errors (InputError).
 [[nodiscard]] std::vector<AgentSpec> parse_agents(const nlohmann::json& entry, std::string_view where);
 
 }  // namespace aloft::agents

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/agents/registry.hpp"
@@ -49,26 +52,44 @@ class Flight {
   [[nodiscard]] const agents::Observation& observation() const noexcept { return observation_; }
   [[nodiscard]] bool finished() const noexcept { return observation_.last; }
 
+  /// Whether the whole route is known before the flight.
+  [[nodiscard]] bool fixed_route() const noexcept { return map_.fixed_route(); }
+
   /// Privileged: quality over heights where the result of `step` will be read. With a fixed route any step may be asked
   /// for, otherwise only the next one (std::logic_error).
   [[nodiscard]] agents::HeightProfile profile(std::uint32_t step) const;
+  /// The same, into memory that is used again.
+  void profile(std::uint32_t step, agents::HeightProfile& into) const;
 
   /// Executes one command by `pilot`. Moves are clamped to the height limits; an absolute height is rounded to the
   /// map's grid and clamped. The caller has checked that the agent may use it. std::logic_error after the last step.
   void step(const agents::Command& command, std::string_view pilot);
 
-  [[nodiscard]] const FlightRecord& record() const noexcept { return record_; }
+  [[nodiscard]] const FlightRecord& record() const& noexcept { return record_; }
+  [[nodiscard]] FlightRecord record() && noexcept { return std::move(record_); }
 
  private:
+  /// Where the result of the next step (or, with a fixed route, of any step) is read.
+  [[nodiscard]] world::Position result_position(std::uint32_t step) const noexcept;
+  /// Changes level_ and says what was really done.
+  agents::Action move(const agents::Command& command);
+  /// Reads the radio at route point `point`, where the UAV is.
   void measure(std::uint32_t point);
+  std::uint32_t pilot_index(std::string_view pilot);
 
   radio::SignalMap& map_;
   agents::FlightInfo info_;
   agents::Observation observation_;
   FlightRecord record_;
   world::Position position_;
-  std::uint32_t level_ = 0;  // index into the height grid
+  std::uint32_t level_ = 0;  // index into the map's height grid
 };
+
+/// What an agent with this privilege may foresee before it observes flight.observation(), in order: nothing, the next
+/// step, or before the first command all steps. Calls `deliver` with each profile; `buffer` is overwritten.
+/// Throws InputError if the whole route is asked for, but depends on the flight itself.
+void foresee(const Flight& flight, agents::Privilege privilege, agents::HeightProfile& buffer,
+             const std::function<void(const agents::HeightProfile&)>& deliver);
 
 /// Flies `agent` to the end: the direct call that --in-process uses, and the meaning of the protocol on the bus.
 [[nodiscard]] FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,

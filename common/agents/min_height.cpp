@@ -1,0 +1,20 @@
+#include "common/agents/registry.hpp"
+#include "common/agents/steering.hpp"
+
+namespace aloft::agents {
+namespace {
+
+/// Stays at Zmin (Zhang), and returns there if someone else left it.
+class MinHeight final : public SteeringAgent {
+ public:
+  explicit MinHeight(const Parameters& parameters) : SteeringAgent("min-height", parameters) {}
+
+  Command act() override { return {height_m() > flight().height_min_m ? Action::down : Action::hold}; }
+};
+
+const bool registered = register_agent({.name = "min-height",
+                                        .description = "Flies at the lowest allowed height.",
+                                        .make = [](const Parameters& p) { return std::make_unique<MinHeight>(p); }});
+
+}  // namespace
+}  // namespace aloft::agents

@@ -1,0 +1,177 @@
+#include "common/agents/registry.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "common/base/nearest.hpp"
+
+namespace aloft::agents {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t max_name_length = 64;
+
+/// Filled while the program starts, by every agent file for itself, in any order.
+std::vector<AgentType>& registered_types() {
+  static std::vector<AgentType> types;
+  return types;
+}
+
+const AgentType* find_type(std::string_view name) {
+  for (const AgentType& type : registered_types())
+    if (type.name == name) return &type;
+  return nullptr;
+}
+
+[[noreturn]] void refuse_unknown(std::string_view name, std::string_view where) {
+  std::vector<std::string> names;
+  for (const AgentType& type : registered_types()) names.push_back(type.name);
+  throw InputError(fmt::format("{}{}unknown agent '{}'.{} Valid agents: {}", where, where.empty() ? "" : ": ", name,
+                               did_you_mean(name, names), fmt::join(names, ", ")));
+}
+
+bool is_name_character(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+}
+
+void check_name(const std::string& name, const AgentType& type, std::string_view where) {
+  if (name.empty() || name.size() > max_name_length || !std::all_of(name.begin(), name.end(), is_name_character))
+    throw InputError(fmt::format("{}: agent name \"{}\" is not allowed; use 1 to {} characters of a-z, 0-9, '.', '-'",
+                                 where, name, max_name_length));
+  const AgentType* other = find_type(name);
+  if (other != nullptr && other != &type)
+    throw InputError(
+        fmt::format("{}: agent name \"{}\" is not allowed for an agent of type '{}', because it is the "
+                    "name of another type; use another name",
+                    where, name, type.name));
+}
+
+/// A parameter's value as part of an instance name: 120, 0.5, cross-entropy.
+std::string name_part(const Json& value) {
+  std::string part = value.is_string()   ? value.get<std::string>()
+                     : value.is_number() ? fmt::format("{}", value.get<double>())
+                                         : value.dump();
+  for (char& c : part) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (!is_name_character(c)) c = '-';
+  }
+  return part;
+}
+
+std::optional<double> as_number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// "constant-120" is short for {"type": "constant", "height_m": 120}.
+Json expand_short_form(const std::string& text, std::string_view where) {
+  if (find_type(text) != nullptr) return {{"type", text}};
+  for (const AgentType& type : registered_types()) {
+    if (type.name_parameter.empty() || !text.starts_with(type.name + '-')) continue;
+    const auto value = as_number(std::string_view(text).substr(type.name.size() + 1));
+    if (!value)
+      throw InputError(fmt::format("{}: \"{}\" is not allowed; after \"{}-\" write a number for {}", where, text,
+                                   type.name, type.name_parameter));
+    return {{"type", type.name}, {"name", text}, {type.name_parameter, *value}};
+  }
+  refuse_unknown(text, where);
+}
+
+std::string take_text(Json& object, const char* key, std::string_view where) {
+  const auto entry = object.find(key);
+  if (entry == object.end()) return {};
+  if (!entry->is_string())
+    throw InputError(fmt::format("{}.{}: {} is not allowed; use a text", where, key, entry->dump()));
+  const auto text = entry->get<std::string>();
+  object.erase(entry);
+  return text;
+}
+
+struct Variant {
+  std::string name;
+  Json parameters;
+};
+
+/// One variant per combination of the values in lists.
+std::vector<Variant> expand_lists(const Json& given, const std::string& name, bool name_given, const AgentType& type,
+                                  std::string_view where) {
+  std::vector<Variant> variants{{name, Json::object()}};
+  for (const auto& [key, value] : given.items()) {
+    const bool in_name = value.is_array() || (key == type.name_parameter && !name_given);
+    const Json values = value.is_array() ? value : Json::array({value});
+    if (values.empty()) throw InputError(fmt::format("{}.{}: [] is not allowed; list at least one value", where, key));
+    std::vector<Variant> next;
+    for (const Variant& variant : variants) {
+      for (const Json& one : values) {
+        next.push_back(variant);
+        next.back().parameters[key] = one;
+        if (in_name) next.back().name += '-' + name_part(one);
+      }
+    }
+    variants = std::move(next);
+  }
+  return variants;
+}
+
+}  // namespace
+
+bool register_agent(AgentType type) {
+  auto& types = registered_types();
+  const auto at = std::lower_bound(types.begin(), types.end(), type.name,
+                                   [](const AgentType& a, const std::string& name) { return a.name < name; });
+  if (at != types.end() && at->name == type.name)
+    throw std::logic_error(fmt::format("two agents register as '{}'", type.name));
+  types.insert(at, std::move(type));
+  return true;
+}
+
+std::span<const AgentType> agent_types() {
+  return registered_types();
+}
+
+const AgentType& agent_type(std::string_view name) {
+  const AgentType* type = find_type(name);
+  if (type == nullptr) refuse_unknown(name, "");
+  return *type;
+}
+
+std::unique_ptr<Agent> AgentSpec::make() const {
+  return agent_type(type).make(parameters);
+}
+
+std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
+  Json object = entry.is_string() ? expand_short_form(entry.get<std::string>(), where) : entry;
+  if (!object.is_object() || !object.contains("type"))
+    throw InputError(
+        fmt::format("{}: {} is not allowed; use an agent's name, or an object with \"type\", optional "
+                    "\"name\" and parameters",
+                    where, entry.dump()));
+  const std::string type_name = take_text(object, "type", where);
+  const AgentType* type = find_type(type_name);
+  if (type == nullptr) refuse_unknown(type_name, fmt::format("{}.type", where));
+  const bool name_given = object.contains("name");
+  const std::string name = name_given ? take_text(object, "name", where) : type->name;
+  if (type->foreign && !name_given)
+    throw InputError(
+        fmt::format("{}: an agent of type '{}' needs \"name\": the name under which the foreign program "
+                    "sends its commands",
+                    where, type->name));
+  std::vector<AgentSpec> specs;
+  for (const Variant& variant : expand_lists(object, name, name_given, *type, where)) {
+    check_name(variant.name, *type, where);
+    specs.push_back({variant.name, type->name, Parameters(type->parameters, variant.parameters, where)});
+  }
+  return specs;
+}
+
+}  // namespace aloft::agents

@@ -1,0 +1,129 @@
+#include "common/flight/flight.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+
+namespace aloft::flight {
+
+using agents::Action;
+
+double FlightRecord::qos_mean() const {
+  double sum = 0.0;
+  for (const StepRecord& step : steps) sum += step.qos;
+  return sum / static_cast<double>(steps.size());
+}
+
+double FlightRecord::height_mean_m() const {
+  double sum = 0.0;
+  for (const StepRecord& step : steps) sum += step.height_m;
+  return sum / static_cast<double>(steps.size());
+}
+
+std::uint32_t FlightRecord::height_changes() const {
+  std::uint32_t changes = 0;
+  double before_m = height_start_m;
+  for (const StepRecord& step : steps) {
+    if (step.height_m != before_m) ++changes;
+    before_m = step.height_m;
+  }
+  return changes;
+}
+
+Flight::Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial) : map_(map), position_(map.start()) {
+  const radio::HeightGrid& grid = map.heights();
+  info_ = {map.qos_kind(), grid.height_min_m, grid.height_max_m, grid.height_step_m, map.steps(), seed, trial};
+  record_.qos_kind = info_.qos;
+  record_.height_start_m = grid.height_min_m;
+  record_.steps.reserve(info_.steps);
+  measure(0);
+  observation_.last = info_.steps == 0;
+}
+
+world::Position Flight::result_position(std::uint32_t step) const noexcept {
+  return map_.advance(map_.result_point(step), position_, observation_.serving_cell);
+}
+
+agents::HeightProfile Flight::profile(std::uint32_t step) const {
+  agents::HeightProfile result;
+  profile(step, result);
+  return result;
+}
+
+void Flight::profile(std::uint32_t step, agents::HeightProfile& into) const {
+  if (step < 1 || step > info_.steps || (!map_.fixed_route() && step != observation_.step + 1))
+    throw std::logic_error(
+        fmt::format("no profile of step {} is known at step {} of {}", step, observation_.step, info_.steps));
+  const std::vector<radio::Reading>& column = map_.column(map_.result_point(step), result_position(step));
+  into.step = step;
+  into.height_min_m = info_.height_min_m;
+  into.resolution_m = map_.heights().resolution_m;
+  into.qos.resize(column.size());
+  for (std::size_t i = 0; i < column.size(); ++i) into.qos[i] = column[i].qos;
+}
+
+void Flight::step(const agents::Command& command, std::string_view pilot) {
+  if (finished()) throw std::logic_error("a command after the last step of a flight");
+  const std::uint32_t step = observation_.step + 1;
+  const std::uint32_t point = map_.result_point(step);
+  position_ = result_position(step);
+  const Action executed = move(command);
+  measure(point);
+  observation_.step = step;
+  observation_.executed = executed;
+  observation_.reward = observation_.qos;
+  observation_.last = step == info_.steps;
+  record_.steps.push_back({step, executed, position_.x_m, position_.y_m, observation_.height_m,
+                           observation_.serving_cell, observation_.serving_sinr_db, observation_.qos,
+                           observation_.reward, pilot_index(pilot), command.introspection});
+}
+
+Action Flight::move(const agents::Command& command) {
+  const radio::HeightGrid& grid = map_.heights();
+  const std::uint32_t top = grid.size() - 1;
+  const std::uint32_t stride = grid.indices_per_step();
+  const std::uint32_t before = level_;
+  switch (command.action) {
+    case Action::hold:
+      return Action::hold;
+    case Action::down:
+      level_ -= std::min(level_, stride);
+      return level_ == before ? Action::hold : Action::down;
+    case Action::up:
+      level_ = std::min(level_ + stride, top);
+      return level_ == before ? Action::hold : Action::up;
+    case Action::absolute: {
+      const double index = std::floor((command.height_m - grid.height_min_m) / grid.resolution_m + 0.5);
+      if (std::isnan(index)) throw std::logic_error("the height of a command is not a number");
+      level_ = static_cast<std::uint32_t>(std::clamp(index, 0.0, static_cast<double>(top)));
+      return Action::absolute;
+    }
+    case Action::none:
+      break;
+  }
+  throw std::logic_error("a command without an action");
+}
+
+void Flight::measure(std::uint32_t point) {
+  const radio::Reading& reading = map_.column(point, position_)[level_];
+  observation_.height_m = map_.heights().height_m(level_);
+  observation_.serving_cell = reading.serving_cell;
+  observation_.serving_sinr_db = reading.serving_sinr_db;
+  observation_.neighbour_count = reading.neighbour_count;
+  observation_.neighbour_sinr_db = reading.neighbour_sinr_db;
+  observation_.qos = reading.qos;
+}
+
+std::uint32_t Flight::pilot_index(std::string_view pilot) {
+  auto& pilots = record_.pilots;
+  const auto at = std::find(pilots.begin(), pilots.end(), pilot);
+  const auto index = static_cast<std::uint32_t>(at - pilots.begin());
+  if (at == pilots.end()) pilots.emplace_back(pilot);
+  return index;
+}
+
+}  // namespace aloft::flight

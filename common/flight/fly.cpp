@@ -1,0 +1,46 @@
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "common/flight/flight.hpp"
+
+namespace aloft::flight {
+
+using agents::Privilege;
+
+void foresee(const Flight& flight, Privilege privilege, agents::HeightProfile& buffer,
+             const std::function<void(const agents::HeightProfile&)>& deliver) {
+  if (privilege == Privilege::none || flight.finished()) return;
+  const std::uint32_t next = flight.observation().step + 1;
+  if (privilege == Privilege::whole_route && next > 1) return;  // already delivered
+  if (privilege == Privilege::whole_route && !flight.fixed_route())
+    throw InputError(
+        "an agent that plans the whole route needs one that is known beforehand, but the route rule 'serving' makes it "
+        "depend on the flight; use the route rule 'nearest', or leave this agent out");
+  const std::uint32_t last = privilege == Privilege::whole_route ? flight.info().steps : next;
+  for (std::uint32_t step = next; step <= last; ++step) {
+    flight.profile(step, buffer);
+    deliver(buffer);
+  }
+}
+
+FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,
+                 const agents::AgentSpec& spec) {
+  const agents::AgentType& type = agents::agent_type(spec.type);
+  Flight flight(map, seed, trial);
+  agents::HeightProfile buffer;
+  const auto deliver = [&agent](const agents::HeightProfile& profile) { agent.foresee(profile); };
+  agent.begin(flight.info());
+  while (true) {
+    foresee(flight, type.privilege, buffer, deliver);
+    agent.observe(flight.observation());
+    if (flight.finished()) return std::move(flight).record();
+    const agents::Command command = agent.act();
+    if (command.action == agents::Action::absolute && !type.unconstrained)
+      throw std::logic_error(fmt::format("agent '{}' may not jump to a height", spec.name));
+    flight.step(command, spec.name);
+  }
+}
+
+}  // namespace aloft::flight

@@ -1,0 +1,73 @@
+#include "common/flight/testing/synthetic_map.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "common/base/random.hpp"
+
+namespace aloft::flight {
+
+using agents::QosKind;
+
+SyntheticMap::SyntheticMap(QosKind kind, const radio::HeightGrid& grid, std::vector<std::vector<double>> qos)
+    : kind_(kind), grid_(grid), qos_(std::move(qos)), columns_(qos_.size()) {
+  for (std::uint32_t point = 0; point < qos_.size(); ++point) {
+    if (qos_[point].size() != grid_.size()) throw std::logic_error("a synthetic map needs one value per height");
+    for (std::uint32_t i = 0; i < grid_.size(); ++i) columns_[point].push_back(reading(point, i));
+  }
+}
+
+SyntheticMap SyntheticMap::random(QosKind kind, std::uint32_t steps, std::uint32_t levels, std::uint64_t seed) {
+  const radio::HeightGrid grid{40.0, 40.0 + 10.0 * (levels - 1), 10.0, 10.0};
+  const double scale = kind == QosKind::throughput ? 4000.0 : 1.0;  // kbit/s or bit/s/Hz
+  RandomStream stream(seed, 0, "synthetic map");
+  std::vector<std::vector<double>> qos(kind == QosKind::throughput ? steps : steps + 1);
+  std::vector<double> hills(levels, 8.0);
+  for (auto& column : qos) {
+    for (double& hill : hills) {
+      hill = std::fmin(20.0, std::fmax(0.5, hill + 2.0 * stream.normal()));
+      column.push_back(scale * hill);
+    }
+  }
+  return {kind, grid, std::move(qos)};
+}
+
+radio::Reading SyntheticMap::reading(std::uint32_t point, std::uint32_t index) const {
+  radio::Reading reading;
+  reading.qos = qos_[point][index];
+  const double spectral_efficiency = kind_ == QosKind::throughput ? reading.qos / 10'000.0 : reading.qos;
+  reading.serving_sinr_db = 10.0 * std::log10(std::exp2(spectral_efficiency) - 1.0 + 1e-9);
+  reading.serving_cell = static_cast<std::int32_t>(reading.qos) % 7;
+  reading.neighbour_count = kind_ == QosKind::throughput ? 0 : agents::max_neighbours;
+  for (std::uint32_t i = 0; i < reading.neighbour_count; ++i)
+    reading.neighbour_sinr_db.at(i) = reading.serving_sinr_db - 3.0 * (i + 1);
+  return reading;
+}
+
+void SyntheticMap::set_qos(std::uint32_t point, std::uint32_t index, double value) {
+  qos_.at(point).at(index) = value;
+  columns_[point][index] = reading(point, index);
+}
+
+std::uint32_t SyntheticMap::steps() const noexcept {
+  const auto points = static_cast<std::uint32_t>(qos_.size());
+  return kind_ == QosKind::throughput ? points : points - 1;
+}
+
+std::uint32_t SyntheticMap::result_point(std::uint32_t step) const noexcept {
+  return kind_ == QosKind::throughput ? step - 1 : step;
+}
+
+world::Position SyntheticMap::advance(std::uint32_t point, world::Position from,
+                                      std::int32_t serving_cell) const noexcept {
+  const double side_m = serving_cell % 2 == 0 ? -10.0 : 10.0;
+  return {10.0 * point, follow_serving_cell_ ? from.y_m + side_m : 0.0};
+}
+
+const std::vector<radio::Reading>& SyntheticMap::column(std::uint32_t point, world::Position position) {
+  // Beside the straight line the UAV is served as at the next point: enough to notice where it really is.
+  const bool beside = std::fabs(position.y_m) > 5.0;
+  return columns_.at(beside ? (point + 1) % columns_.size() : point);
+}
+
+}  // namespace aloft::flight

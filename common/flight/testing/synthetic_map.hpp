@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/radio/signal_map.hpp"
+
+namespace aloft::flight {
+
+/// A signal map whose quality is written down by hand: for tests of flights and agents without any radio.
+///
+/// Like a generated world, point 0 is never scored (result_point(j) = j); with QosKind::throughput it is like a
+/// measured flight (result_point(j) = j - 1). Readings have a SINR that follows from the quality and 5 neighbours below
+/// it.
+class SyntheticMap final : public radio::SignalMap {
+ public:
+  /// `qos[point][i]`: at height grid.height_min_m + i * grid.resolution_m; all rows have grid.size() values.
+  SyntheticMap(agents::QosKind kind, const radio::HeightGrid& grid, std::vector<std::vector<double>> qos);
+
+  /// Smooth random hills over heights and points, a pure function of the seed: 10 m steps from 40 m.
+  static SyntheticMap random(agents::QosKind kind, std::uint32_t steps, std::uint32_t levels, std::uint64_t seed);
+
+  /// The UAV swerves by 10 m to the side of an even or odd serving cell: a route that depends on the flight.
+  void follow_serving_cell() noexcept { follow_serving_cell_ = true; }
+  [[nodiscard]] const std::vector<std::vector<double>>& qos() const noexcept { return qos_; }
+  void set_qos(std::uint32_t point, std::uint32_t index, double value);
+
+  [[nodiscard]] agents::QosKind qos_kind() const noexcept override { return kind_; }
+  [[nodiscard]] const radio::HeightGrid& heights() const noexcept override { return grid_; }
+  [[nodiscard]] std::uint32_t steps() const noexcept override;
+  [[nodiscard]] std::uint32_t result_point(std::uint32_t step) const noexcept override;
+  [[nodiscard]] world::Position start() const noexcept override { return {0.0, 0.0}; }
+  [[nodiscard]] world::Position advance(std::uint32_t point, world::Position from,
+                                        std::int32_t serving_cell) const noexcept override;
+  [[nodiscard]] bool fixed_route() const noexcept override { return !follow_serving_cell_; }
+  [[nodiscard]] const std::vector<radio::Reading>& column(std::uint32_t point, world::Position position) override;
+
+ private:
+  [[nodiscard]] radio::Reading reading(std::uint32_t point, std::uint32_t index) const;
+
+  agents::QosKind kind_;
+  radio::HeightGrid grid_;
+  std::vector<std::vector<double>> qos_;
+  std::vector<std::vector<radio::Reading>> columns_;
+  bool follow_serving_cell_ = false;
+};
+
+}  // namespace aloft::flight

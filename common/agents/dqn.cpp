@@ -121,7 +121,7 @@ void Dqn::start_learning(const FlightInfo& flight) {
 
 void Dqn::build_networks() {
   const learn::NetworkShape shape = network_shape(parameters_, encoder_.inputs());
-  if (online_ && online_->shape().layers == shape.layers) return;
+  if (online_ && online_->shape() == shape) return;
   const learn::AdamSettings adam{.learning_rate = parameters_.number("learning_rate")};
   online_ = learn::make_network(shape, adam);
   if (use_target_network_) target_ = learn::make_network(shape, adam);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/agents/conformance.hpp"
 #include "common/base/error.hpp"
 
 using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test of this namespace
@@ -98,6 +99,11 @@ std::string error_of(const Json& given) {
 }
 
 }  // namespace
+
+TEST_CASE("dqn conforms") {
+  check_conformance({{"type", "dqn"}, {"hidden_width", 16}, {"epochs", 5}});
+  check_conformance({{"type", "dqn"}, {"hidden_width", 16}, {"epochs", 5}, {"memory", "lifelong"}}, {.lifelong = true});
+}
 
 TEST_CASE("the DQN finds the best height of a hill") {
   // A uniform choice of heights would give 3.3, staying at the start 2; the optimum is 5. Some flights lock in one

@@ -16,4 +16,54 @@ enum class Loss : int {
   cross_entropy,  ///< Keras: outputs normalised to sum 1, one-hot targets, clipped to [1e-7, 1 - 1e-7]
 };
 
+/// One dense layer. All arrays are aligned to 64 bytes. The bias is the weight of one more input that is always 1.
+struct KernelLayer {
+  int inputs;
+  int outputs;
+  int blocks;  ///< of 16 inputs, the constant one included
+  Activation activation;
+  float* weights;          ///< [block][output][16 inputs]; zero beyond the bias
+  float* first_moments;    ///< same layout, scaled (see AdamSettings)
+  float* second_moments;   ///< same layout, scaled
+  float* input;            ///< [16 * blocks][16 samples]: inputs, a row of ones, zeros
+  float* input_by_sample;  ///< [16 samples][16 * blocks]
+  int* alive;              ///< rows of `input` that are not zero in the whole batch, ascending; the row of ones is last
+  int alive_count;
+};
+
+struct KernelNetwork {
+  int layer_count;
+  KernelLayer* layers;
+  float* output;           ///< [output][16 samples]
+  float* slope;            ///< of the output activation, same layout
+  float* targets;          ///< same layout
+  float* counted;          ///< same layout
+  float* delta;            ///< d loss / d sums of a layer: [unit in the layer's order][16 samples]
+  float* delta_below;      ///< of the layer below
+  float* delta_by_sample;  ///< [16 samples][widest layer, rounded up to 16]
+  int* order;              ///< a layer's outputs: those with a gradient first
+};
+
+struct KernelTraining {
+  Loss loss;
+  float per_sample;  ///< 1 / samples
+  int epochs;
+  const float* step_sizes;  ///< [epoch], see AdamSettings
+  float beta1;
+  float beta2;
+  float epsilon;  ///< scaled
+};
+
+/// What every instruction set offers.
+struct Kernels {
+  /// From layers[0].input and its alive rows to output. Rows of later layers' inputs and their alive lists are filled.
+  void (*forward)(KernelNetwork& network);
+  /// Epochs of forward, backward and Adam on the batch in layers[0].input and input_by_sample. `output` is left as it
+  /// was before the last update.
+  void (*train)(KernelNetwork& network, const KernelTraining& training);
+};
+
+const Kernels& avx2_kernels();
+const Kernels& avx512_kernels();
+
 }  // namespace aloft::learn

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/learn/blocked_network.hpp"
 #include "common/learn/reference.hpp"
 
 namespace aloft::learn {
@@ -46,7 +47,12 @@ std::string_view path_name(Path path) noexcept {
 }
 
 std::vector<Path> available_paths() {
-  return {Path::portable};
+  std::vector<Path> paths{Path::portable};
+#if defined(ALOFT_X86_KERNELS)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) paths.push_back(Path::avx2);
+  if (__builtin_cpu_supports("avx512f") && paths.back() == Path::avx2) paths.push_back(Path::avx512);
+#endif
+  return paths;
 }
 
 std::unique_ptr<Network> make_network(const NetworkShape& shape, const AdamSettings& adam) {
@@ -57,6 +63,10 @@ std::unique_ptr<Network> make_network(const NetworkShape& shape, const AdamSetti
   const std::vector<Path> paths = available_paths();
   if (std::find(paths.begin(), paths.end(), path) == paths.end())
     throw std::logic_error(fmt::format("this CPU has no path '{}'", path_name(path)));
+#if defined(ALOFT_X86_KERNELS)
+  if (path == Path::avx512) return std::make_unique<BlockedNetwork>(shape, adam, avx512_kernels());
+  if (path == Path::avx2) return std::make_unique<BlockedNetwork>(shape, adam, avx2_kernels());
+#endif
   return std::make_unique<PortableNetwork>(shape, adam);
 }
 

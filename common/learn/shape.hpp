@@ -25,6 +25,7 @@ struct NetworkShape {
   [[nodiscard]] std::size_t inputs() const noexcept { return layers.front().inputs; }
   [[nodiscard]] std::size_t outputs() const noexcept { return layers.back().outputs; }
   [[nodiscard]] std::size_t parameters() const noexcept;
+  friend bool operator==(const NetworkShape&, const NetworkShape&) = default;
   /// std::logic_error if the layers do not fit together or use an activation in the wrong place.
   void check() const;
 };

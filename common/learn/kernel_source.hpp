@@ -1,0 +1,325 @@
+// The training kernels, written once over a vector type V of 16 floats and compiled once per instruction set. Included
+// inside an anonymous namespace after V is defined; no library headers may be included here (see kernels.hpp).
+//
+// Every sum runs in a fixed order with fused multiply-add, so all instruction sets give the same bits:
+// forward over the inputs in ascending order with the bias last, gradients over the samples, deltas over the units of
+// the layer above. Units that are zero in the whole batch are left out, which changes no sum.
+
+#define ALOFT_UNROLL _Pragma("GCC unroll 64")
+
+constexpr int lanes = batch_lanes;
+
+// --- output layer -----------------------------------------------------------------------------------------------
+
+/// exp(x) for -87 <= x <= 0, relative error 1e-7: x = n ln 2 + r, Taylor to degree 7 in r.
+inline V exp_of(V x) {
+  const V magic = V::of(12582912.0F);  // 1.5 * 2^23: adding it rounds to whole numbers
+  const V n = sub(fma(x, V::of(1.44269504F), magic), magic);
+  V r = fma(n, V::of(-0.693145752F), x);  // ln 2 in two parts
+  r = fma(n, V::of(-1.42860677e-6F), r);
+  V p = V::of(1.0F / 5040.0F);
+  p = fma(p, r, V::of(1.0F / 720.0F));
+  p = fma(p, r, V::of(1.0F / 120.0F));
+  p = fma(p, r, V::of(1.0F / 24.0F));
+  p = fma(p, r, V::of(1.0F / 6.0F));
+  p = fma(p, r, V::of(0.5F));
+  p = fma(p, r, V::of(1.0F));
+  p = fma(p, r, V::of(1.0F));
+  return mul(p, power_of_two(n));
+}
+
+/// log(1 + e) for 0 <= e <= 1 as 2 atanh(e / (2 + e)).
+inline V log1p_of(V e) {
+  const V s = div(e, add(e, V::of(2.0F)));
+  const V s2 = mul(s, s);
+  V p = V::of(1.0F / 15.0F);
+  p = fma(p, s2, V::of(1.0F / 13.0F));
+  p = fma(p, s2, V::of(1.0F / 11.0F));
+  p = fma(p, s2, V::of(1.0F / 9.0F));
+  p = fma(p, s2, V::of(1.0F / 7.0F));
+  p = fma(p, s2, V::of(0.2F));
+  p = fma(p, s2, V::of(1.0F / 3.0F));
+  p = fma(p, s2, V::of(1.0F));
+  return mul(add(s, s), p);
+}
+
+inline void softplus(float* value, float* slope) {
+  const V x = V::load(value);
+  const V zero = V::of(0.0F);
+  const V magnitude = min(max(x, sub(zero, x)), V::of(87.0F));
+  const V e = exp_of(sub(zero, magnitude));
+  add(max(x, zero), log1p_of(e)).store(value);
+  const V sigmoid = div(V::of(1.0F), add(V::of(1.0F), e));  // of |x|
+  where_positive(x, sigmoid, mul(e, sigmoid)).store(slope);
+}
+
+void output_activation(KernelNetwork& network) {
+  const KernelLayer& layer = network.layers[network.layer_count - 1];
+  for (int o = 0; o < layer.outputs; ++o) {
+    if (layer.activation == Activation::softplus) {
+      softplus(network.output + o * lanes, network.slope + o * lanes);
+    } else {
+      V::of(1.0F).store(network.slope + o * lanes);
+    }
+  }
+}
+
+/// delta = d loss / d sums of the output layer; see ReferenceNetwork::output_delta for the formulas.
+void output_delta(KernelNetwork& network, const KernelTraining& training) {
+  const int outputs = network.layers[network.layer_count - 1].outputs;
+  V sum = V::of(0.0F);
+  V labelled = V::of(0.0F);
+  for (int o = 0; o < outputs; ++o) {
+    const V q = V::load(network.output + o * lanes);
+    sum = add(sum, q);
+    labelled = fma(q, V::load(network.targets + o * lanes), labelled);
+  }
+  const V probability = div(labelled, sum);
+  const V per_sample = V::of(training.per_sample);
+  for (int o = 0; o < outputs; ++o) {
+    const V target = V::load(network.targets + o * lanes);
+    V d;
+    if (training.loss == Loss::mse) {
+      const V error = mul(sub(V::load(network.output + o * lanes), target), V::load(network.counted + o * lanes));
+      d = mul(error, add(per_sample, per_sample));
+    } else {
+      d = mul(sub(div(V::of(1.0F), sum), div(target, labelled)), per_sample);
+      d = where_between(probability, V::of(1e-7F), V::of(1.0F - 1e-7F), d);
+    }
+    mul(d, V::load(network.slope + o * lanes)).store(network.delta + o * lanes);
+  }
+}
+
+// --- forward ----------------------------------------------------------------------------------------------------
+
+/// Sums of N outputs from `first` on, for the whole batch.
+template <int N>
+void forward_tile(const KernelLayer& layer, int first, float* to) {
+  V sums[N];
+  ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = V::of(0.0F);
+  for (int j = 0; j < layer.alive_count; ++j) {
+    const int i = layer.alive[j];
+    const V x = V::load(layer.input + i * lanes);
+    const float* w = layer.weights + ((i / lanes) * layer.outputs + first) * lanes + i % lanes;
+    ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = fma(V::broadcast(w + n * lanes), x, sums[n]);
+  }
+  ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n].store(to + (first + n) * lanes);
+}
+
+void forward_layer(const KernelLayer& layer, float* to) {
+  int o = 0;
+  for (; o + forward_outputs <= layer.outputs; o += forward_outputs) forward_tile<forward_outputs>(layer, o, to);
+  for (; o + 4 <= layer.outputs; o += 4) forward_tile<4>(layer, o, to);
+  for (; o < layer.outputs; ++o) forward_tile<1>(layer, o, to);
+}
+
+/// Applies ReLU to the inputs of `layer` and lists those that are not zero in the whole batch.
+void hidden_activation(KernelLayer& layer, Activation activation) {
+  int count = 0;
+  for (int i = 0; i < layer.inputs; ++i) {
+    float* row = layer.input + i * lanes;
+    bool alive = true;
+    if (activation == Activation::relu) {
+      const V x = max(V::load(row), V::of(0.0F));
+      x.store(row);
+      alive = any_positive(x);
+    }
+    layer.alive[count] = i;
+    count += alive ? 1 : 0;
+  }
+  layer.alive[count++] = layer.inputs;
+  layer.alive_count = count;
+}
+
+void forward(KernelNetwork& network) {
+  for (int l = 0; l < network.layer_count; ++l) {
+    const bool last = l + 1 == network.layer_count;
+    forward_layer(network.layers[l], last ? network.output : network.layers[l + 1].input);
+    if (last) {
+      output_activation(network);
+    } else {
+      hidden_activation(network.layers[l + 1], network.layers[l].activation);
+    }
+  }
+}
+
+// --- backward ---------------------------------------------------------------------------------------------------
+
+/// Deltas of the layer below for its alive units, in ascending order. `order` and `count`: the outputs of `layer` that
+/// have a delta.
+void delta_layer(const KernelLayer& layer, Activation below, const int* order, int count, const float* delta,
+                 float* to) {
+  const int alive = layer.alive_count - 1;  // without the constant input
+  for (int j = 0; j < alive;) {
+    const int first = layer.alive[j] / delta_inputs * delta_inputs;
+    const float* block = layer.weights + (first / lanes) * layer.outputs * lanes + first % lanes;
+    V sums[delta_inputs];
+    ALOFT_UNROLL for (int n = 0; n < delta_inputs; ++n) sums[n] = V::of(0.0F);
+    for (int k = 0; k < count; ++k) {
+      const V d = V::load(delta + k * lanes);
+      const float* w = block + order[k] * lanes;
+      ALOFT_UNROLL for (int n = 0; n < delta_inputs; ++n) sums[n] = fma(V::broadcast(w + n), d, sums[n]);
+    }
+    for (; j < alive && layer.alive[j] < first + delta_inputs; ++j) {
+      const V x = V::load(layer.input + layer.alive[j] * lanes);
+      const V d = sums[layer.alive[j] - first];
+      (below == Activation::relu ? where_positive(x, d, V::of(0.0F)) : d).store(to + j * lanes);
+    }
+  }
+}
+
+// --- weight gradient and Adam -------------------------------------------------------------------------------------
+
+struct Adam {
+  V beta1, beta2, epsilon, step_size;
+};
+
+/// 1 / x for normal x > 0, relative error 1e-7. Integer arithmetic on the exponent gives 12 %, each of two cubic Newton
+/// steps the third power of the error. The divider is what limits Adam; this leaves only the square root to it, and
+/// unlike the hardware's estimates it is the same on every CPU.
+inline V reciprocal(V x) {
+  const V one = V::of(1.0F);
+  V r = reciprocal_guess(x);
+  V e = fnma(x, r, one);
+  r = fma(r, fma(e, e, e), r);
+  e = fnma(x, r, one);
+  return fma(r, fma(e, e, e), r);
+}
+
+inline void adam_step(const KernelLayer& layer, long at, V g, const Adam& adam) {
+  const V m = fma(adam.beta1, V::load(layer.first_moments + at), g);
+  const V v = fma(adam.beta2, V::load(layer.second_moments + at), mul(g, g));
+  m.store(layer.first_moments + at);
+  v.store(layer.second_moments + at);
+  const V r = reciprocal(add(root(v), adam.epsilon));
+  fnma(mul(adam.step_size, m), r, V::load(layer.weights + at)).store(layer.weights + at);
+}
+
+/// Gradients of a tile that wait for their Adam step, which is done between the multiplications of the next tile: so
+/// the divider and the multipliers work at the same time.
+struct Pending {
+  alignas(64) float gradient[16 * lanes];
+  long at[16];
+  int count = 0;
+
+  void flush(const KernelLayer& layer, const Adam& adam) {
+    for (int e = 0; e < count; ++e) adam_step(layer, at[e], V::load(gradient + e * lanes), adam);
+    count = 0;
+  }
+};
+
+/// Gradients of B input blocks x N outputs.
+template <int B, int N>
+void gradient_tile(const KernelLayer& layer, const float* delta_by_sample, int stride, int block, int first,
+                   const int* order, Pending& pending, const Adam& adam) {
+  constexpr int entries = B * N;
+  constexpr int samples_per_entry = lanes / entries;
+  if (pending.count != entries) pending.flush(layer, adam);
+  const bool busy = pending.count == entries;
+  V sums[B][N];
+  ALOFT_UNROLL for (int b = 0; b < B; ++b) {
+    ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[b][n] = V::of(0.0F);
+  }
+  const float* x = layer.input_by_sample + block * lanes;
+  const float* d = delta_by_sample + first;
+  for (int e = 0; e < entries; ++e) {
+    ALOFT_UNROLL for (int s = 0; s < samples_per_entry; ++s) {
+      ALOFT_UNROLL for (int b = 0; b < B; ++b) {
+        const V xb = V::load(x + b * lanes);
+        ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[b][n] = fma(V::broadcast(d + n), xb, sums[b][n]);
+      }
+      x += layer.blocks * lanes;
+      d += stride;
+    }
+    if (busy) adam_step(layer, pending.at[e], V::load(pending.gradient + e * lanes), adam);
+  }
+  ALOFT_UNROLL for (int b = 0; b < B; ++b) {
+    ALOFT_UNROLL for (int n = 0; n < N; ++n) {
+      sums[b][n].store(pending.gradient + (b * N + n) * lanes);
+      pending.at[b * N + n] = (static_cast<long>(block + b) * layer.outputs + order[first + n]) * lanes;
+    }
+  }
+  pending.count = entries;
+}
+
+/// All outputs of B blocks: `with_gradient` of them through tiles, the rest have gradient zero.
+template <int B>
+void gradient_blocks(const KernelLayer& layer, const float* delta_by_sample, int stride, int block, const int* order,
+                     int with_gradient, Pending& pending, const Adam& adam) {
+  constexpr int outputs = gradient_outputs;
+  int k = 0;
+  for (; k + outputs <= with_gradient; k += outputs)
+    gradient_tile<B, outputs>(layer, delta_by_sample, stride, block, k, order, pending, adam);
+  for (; k < with_gradient; ++k) gradient_tile<B, 1>(layer, delta_by_sample, stride, block, k, order, pending, adam);
+  for (; k < layer.outputs; ++k) {
+    for (int b = 0; b < B; ++b)
+      adam_step(layer, (static_cast<long>(block + b) * layer.outputs + order[k]) * lanes, V::of(0.0F), adam);
+  }
+}
+
+void gradient_layer(const KernelLayer& layer, const float* delta_by_sample, int stride, const int* order,
+                    int with_gradient, const Adam& adam) {
+  Pending pending;
+  int block = 0;
+  for (; block + gradient_block_count <= layer.blocks; block += gradient_block_count)
+    gradient_blocks<gradient_block_count>(layer, delta_by_sample, stride, block, order, with_gradient, pending, adam);
+  for (; block < layer.blocks; ++block)
+    gradient_blocks<1>(layer, delta_by_sample, stride, block, order, with_gradient, pending, adam);
+  pending.flush(layer, adam);
+}
+
+/// The order in which a layer's outputs are treated: those with a delta (the alive units of the layer above's input),
+/// then the others; returns how many have one. All of the output layer's have.
+int order_outputs(const KernelLayer& layer, const KernelLayer* above, int* order) {
+  if (above == nullptr) {
+    for (int o = 0; o < layer.outputs; ++o) order[o] = o;
+    return layer.outputs;
+  }
+  const int alive = above->alive_count - 1;
+  int dead = alive;
+  int j = 0;
+  for (int o = 0; o < layer.outputs; ++o) {
+    if (j < alive && above->alive[j] == o) {
+      order[j++] = o;
+    } else {
+      order[dead++] = o;
+    }
+  }
+  return alive;
+}
+
+void backward(KernelNetwork& network, const Adam& adam) {
+  float* delta = network.delta;
+  float* below = network.delta_below;
+  for (int l = network.layer_count - 1; l >= 0; --l) {
+    const KernelLayer& layer = network.layers[l];
+    const bool last = l + 1 == network.layer_count;
+    const int count = order_outputs(layer, last ? nullptr : network.layers + l + 1, network.order);
+    if (l > 0) {
+      delta_layer(layer, network.layers[l - 1].activation, network.order, count, delta, below);
+      for (int i = 0; i < layer.blocks; ++i)
+        transpose(layer.input + i * lanes * lanes, lanes, layer.input_by_sample + i * lanes, layer.blocks * lanes);
+    }
+    // Outputs without a delta fill up the last tile; their delta is zero.
+    const int padded = (count + gradient_outputs - 1) / gradient_outputs * gradient_outputs;
+    const int with_gradient = padded <= layer.outputs ? padded : count;
+    for (int k = count; k < padded; ++k) V::of(0.0F).store(delta + k * lanes);
+    const int stride = (layer.outputs + lanes - 1) / lanes * lanes;
+    for (int k = 0; k < padded; k += lanes) transpose(delta + k * lanes, lanes, network.delta_by_sample + k, stride);
+    gradient_layer(layer, network.delta_by_sample, stride, network.order, with_gradient, adam);
+    float* const swap = delta;
+    delta = below;
+    below = swap;
+  }
+}
+
+void train(KernelNetwork& network, const KernelTraining& training) {
+  for (int epoch = 0; epoch < training.epochs; ++epoch) {
+    forward(network);
+    output_delta(network, training);
+    backward(network, {V::of(training.beta1), V::of(training.beta2), V::of(training.epsilon),
+                       V::of(training.step_sizes[epoch])});
+  }
+}
+
+#undef ALOFT_UNROLL

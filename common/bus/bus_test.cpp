@@ -1,0 +1,345 @@
+// Writers and readers over the real transport, each in its own participant.
+#include <idl/flightPubSubTypes.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <future>
+#include <limits>
+#include <map>
+#include <thread>
+
+#include "common/base/error.hpp"
+#include "common/bus/detail.hpp"
+#include "common/bus/endpoint.hpp"
+#include "common/bus/waiter.hpp"
+
+namespace aloft {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+using namespace std::chrono_literals;
+using Catch::Matchers::Contains;
+
+constexpr auto limit = 10s;
+
+/// A place on the bus that no other test process shares.
+bus::BusOptions place(const std::string& process, const std::string& worker = "w0") {
+  bus::BusOptions options;
+  options.run = "bus-test-" + std::to_string(getpid());
+  options.worker = worker;
+  options.process = process;
+  options.domain = 10 + static_cast<int>(getpid() % 90);
+  options.lease = 5s;  // the test machine may be busy
+  return options;
+}
+
+template <class Condition>
+bool eventually(Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(2ms);
+  }
+  return condition();
+}
+
+wire::HeightCommand command(std::uint32_t stream, std::uint32_t step) {
+  wire::HeightCommand message;
+  message.stream(stream);
+  message.episode_id(77);
+  message.attempt(1);
+  message.step(step);
+  message.agent(wire::name("constant-120"));
+  message.action(wire::ACTION_UP);
+  message.has_introspection(true);
+  message.epsilon(0.25);
+  message.q_values({1.5, -2.5, 3.25});
+  return message;
+}
+
+template <class T>
+bool take_within(bus::Reader<T>& reader, T& sample) {
+  bus::Waiter waiter;
+  waiter.add(reader);
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  while (!reader.take(sample)) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    waiter.wait(100ms);
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("a sample arrives whole") {
+  const bus::Participant here(place("here"));
+  const bus::Participant there(place("there"));
+  bus::Writer<wire::HeightCommand> writer(here);
+  bus::Reader<wire::HeightCommand> reader(there);
+  REQUIRE(eventually([&] { return writer.matched() == 1 && reader.matched() == 1; }));
+  writer.write(command(5, 3));
+  wire::HeightCommand sample;
+  REQUIRE(take_within(reader, sample));
+  CHECK(sample.protocol_version() == wire::PROTOCOL_VERSION);
+  CHECK(sample.stream() == 5);
+  CHECK(sample.episode_id() == 77);
+  CHECK(sample.step() == 3);
+  CHECK(wire::view(sample.agent()) == "constant-120");
+  CHECK(sample.action() == wire::ACTION_UP);
+  CHECK(sample.epsilon() == 0.25);
+  CHECK(sample.q_values() == std::array{1.5, -2.5, 3.25});
+  CHECK_FALSE(reader.take(sample));
+  CHECK(there.drops() == 0);
+}
+
+TEST_CASE("a late joiner gets the state, and one sample of a megabyte arrives in fragments") {
+  const bus::Participant here(place("here"));
+  bus::Writer<wire::RunControl> writer(here);
+  wire::RunControl control;
+  control.experiment_id(wire::experiment_id("0123456789abcdef"));
+  control.state(wire::RUN_RUNNING);
+  std::string text(1048576, ' ');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i % 23);
+  control.experiment_json(wire::bytes(text));
+  writer.write(control);
+
+  const bus::Participant there(place("there"));
+  bus::Reader<wire::RunControl> reader(there);
+  wire::RunControl sample;
+  REQUIRE(take_within(reader, sample));
+  CHECK(wire::view(sample.experiment_json()) == text);
+  CHECK(wire::view(sample.experiment_id()) == "0123456789abcdef");
+}
+
+TEST_CASE("many keys: none is lost, whatever the middleware's default limit of ten") {
+  const bus::Participant here(place("here"));
+  const bus::Participant there(place("there"));
+  bus::Writer<wire::HeightCommand> writer(here);
+  bus::Reader<wire::HeightCommand> reader(there);
+  REQUIRE(eventually([&] { return writer.matched() == 1 && reader.matched() == 1; }));
+  const std::uint32_t keys = GENERATE(11U, 100U);
+  for (std::uint32_t stream = 0; stream < keys; ++stream) writer.write(command(stream, stream + 1));
+  std::map<std::uint32_t, std::uint32_t> seen;
+  CHECK(eventually([&] {
+    reader.drain([&](const wire::HeightCommand& sample) { seen[sample.stream()] = sample.step(); });
+    return seen.size() == keys;
+  }));
+  for (const auto& [stream, step] : seen) CHECK(step == stream + 1);
+}
+
+TEST_CASE("more keys than the table of topics allows are refused, not lost silently") {
+  const bus::Participant here(place("here"));
+  bus::Writer<wire::HeightCommand> writer(here);
+  const auto allowed = static_cast<std::uint32_t>(bus::topic_settings<wire::HeightCommand>().keys);
+  for (std::uint32_t stream = 0; stream < allowed; ++stream) writer.write(command(stream, 1));
+  CHECK_THROWS_WITH(writer.write(command(allowed, 1)), Contains("HeightCommand") && Contains("1024"));
+}
+
+TEST_CASE("samples that break the limits of the wire are not written") {
+  const bus::Participant here(place("here"));
+  bus::Writer<wire::HeightProfile> profiles(here);
+  wire::HeightProfile profile;
+  profile.step(1);
+  profile.height_min_m(40);
+  profile.resolution_m(1);
+  profile.qos().assign(4097, 1.0);
+  CHECK_THROWS_WITH(profiles.write(profile), Contains("HeightProfile") && Contains("qos has a wrong length"));
+  profile.qos().assign(201, std::numeric_limits<double>::quiet_NaN());
+  CHECK_THROWS_AS(profiles.write(profile), std::invalid_argument);
+  CHECK_THROWS_AS(wire::name(std::string(65, 'x')), std::length_error);
+  CHECK(wire::view(wire::name(std::string(64, 'x'))) == std::string(64, 'x'));
+}
+
+TEST_CASE("samples of another experiment are dropped and counted") {
+  const bus::Participant here(place("here"));
+  const bus::Participant there(place("there"));
+  bus::Writer<wire::EpisodeStored> writer(here);
+  bus::Reader<wire::EpisodeStored> reader(there);
+  reader.expect_experiment("mine");
+  REQUIRE(eventually([&] { return writer.matched() == 1 && reader.matched() == 1; }));
+  wire::EpisodeStored stored;
+  stored.digest(std::string(64, 'a'));
+  for (const char* id : {"other", "mine"}) {
+    stored.experiment_id(wire::experiment_id(id));
+    writer.write(stored);
+  }
+  wire::EpisodeStored sample;
+  REQUIRE(take_within(reader, sample));
+  CHECK(wire::view(sample.experiment_id()) == "mine");
+  CHECK(reader.drops().foreign == 1);
+  CHECK(there.drops() == 1);
+}
+
+namespace {
+
+/// Publishes any bytes under the name of our type.
+class RawType : public dds::TopicDataType {
+ public:
+  RawType() {
+    setName("aloft::wire::HeightCommand");
+    m_typeSize = 1024;
+    m_isGetKeyDefined = true;
+    auto_fill_type_information(false);
+    auto_fill_type_object(false);
+  }
+  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<std::vector<unsigned char>*>(data);
+    std::memcpy(payload->data, bytes.data(), bytes.size());
+    payload->length = static_cast<std::uint32_t>(bytes.size());
+    return true;
+  }
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t*, void*) override { return false; }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<std::uint32_t>(static_cast<std::vector<unsigned char>*>(data)->size()); };
+  }
+  void* createData() override { return new std::vector<unsigned char>; }
+  void deleteData(void* data) override { delete static_cast<std::vector<unsigned char>*>(data); }
+  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
+    *handle = eprosima::fastrtps::rtps::InstanceHandle_t();
+    handle->value[3] = 9;
+    return true;
+  }
+};
+
+std::vector<unsigned char> serialized(wire::HeightCommand sample) {
+  sample.protocol_version(wire::PROTOCOL_VERSION);
+  wire::HeightCommandPubSubType type;
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(1024);
+  type.serialize(&sample, &payload);
+  return {payload.data, payload.data + payload.length};
+}
+
+}  // namespace
+
+TEST_CASE("malformed and out-of-range payloads are dropped and counted; good ones still arrive") {
+  const bus::Participant there(place("there"));
+  bus::Reader<wire::HeightCommand> reader(there);
+
+  const bus::Participant raw(place("raw"));
+  dds::DomainParticipant* participant = raw.state()->participant;
+  dds::TypeSupport(new RawType).register_type(participant);
+  dds::Topic* topic = participant->create_topic("HeightCommand", "aloft::wire::HeightCommand", dds::TOPIC_QOS_DEFAULT);
+  dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
+  qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
+  qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  qos.liveliness().lease_duration = {0, 500'000'000};
+  qos.liveliness().announcement_period = {0, 100'000'000};
+  qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+  dds::DataWriter* writer = raw.state()->publisher(bus::Scope::worker).create_datawriter(topic, qos);
+  REQUIRE(writer != nullptr);
+  REQUIRE(eventually([&] { return reader.matched() == 1; }));
+
+  const std::vector<unsigned char> good = serialized(command(9, 1));
+  std::vector<std::vector<unsigned char>> bad;
+  bad.push_back({0, 1, 0, 0});                        // a header alone
+  bad.emplace_back(good.begin(), good.begin() + 20);  // cut off
+  bad.emplace_back(300, 0xFF);                        // noise
+  bad.push_back(good);                                // trailing bytes
+  bad.back().resize(good.size() + 40, 0);
+  wire::HeightCommand nan = command(9, 2);
+  nan.action(wire::ACTION_ABSOLUTE);
+  nan.height_m(std::numeric_limits<double>::quiet_NaN());
+  wire::HeightCommand action = command(9, 2);
+  action.action(static_cast<wire::Action>(99));
+  for (const auto& sample : {nan, action}) bad.push_back(serialized(sample));
+  for (auto& bytes : bad) CHECK(writer->write(&bytes));
+  std::vector<unsigned char> last = good;
+  CHECK(writer->write(&last));
+
+  wire::HeightCommand sample;
+  REQUIRE(take_within(reader, sample));
+  CHECK(sample.stream() == 9);
+  CHECK(sample.step() == 1);
+  CHECK_FALSE(reader.take(sample));
+  CHECK(reader.drops().malformed >= 4);  // the middleware looks at a sample more than once
+  CHECK(reader.drops().invalid == 2);
+}
+
+TEST_CASE("the future stays in the privileged partition, and workers do not hear each other") {
+  const bus::Participant channel(place("channel", "w0"));
+  const bus::Participant privileged(place("privileged", "w0"));
+  const bus::Participant other_worker(place("other", "w1"));
+  bus::Writer<wire::HeightProfile> profiles(channel);
+  bus::Reader<wire::HeightProfile> seer(privileged);
+  bus::Reader<wire::HeightProfile> stranger(other_worker);
+
+  // A process of the same worker that asks for the topic without having joined the privileged partition.
+  const bus::Participant ordinary(place("ordinary", "w0"));
+  auto& entry = ordinary.state()->topic<wire::HeightProfilePubSubType>(bus::topic_settings<wire::HeightProfile>());
+  dds::DataReader* blind =
+      ordinary.state()->subscriber(bus::Scope::worker).create_datareader(entry.topic, dds::DATAREADER_QOS_DEFAULT);
+  REQUIRE(blind != nullptr);
+
+  REQUIRE(eventually([&] { return profiles.matched() == 1 && seer.matched() == 1; }));
+  wire::HeightProfile profile;
+  profile.step(1);
+  profile.height_min_m(40);
+  profile.resolution_m(1);
+  profile.qos().assign(201, 2.5);
+  profiles.write(profile);
+  wire::HeightProfile sample;
+  REQUIRE(take_within(seer, sample));
+  CHECK(sample.qos().size() == 201);
+  CHECK(profiles.matched() == 1);
+  CHECK(stranger.matched() == 0);
+  CHECK_FALSE(stranger.take(sample));
+  CHECK(blind->get_unread_count() == 0);
+}
+
+TEST_CASE("the strongest live writer is heard; the next one takes over when it dies") {
+  const bus::Participant channel(place("channel"));
+  bus::Reader<wire::HeightCommand> reader(channel);
+  const bus::Participant weak(place("weak"));
+  bus::Writer<wire::HeightCommand> standby(weak, {.strength = 1});
+  auto strong = std::make_unique<bus::Participant>(place("strong"));
+  auto owner = std::make_unique<bus::Writer<wire::HeightCommand>>(*strong, bus::WriterOptions{.strength = 5});
+  REQUIRE(eventually([&] { return reader.matched() == 2; }));
+
+  owner->write(command(0, 1));
+  wire::HeightCommand sample;
+  REQUIRE(take_within(reader, sample));
+  standby.write(command(0, 2));
+  owner->write(command(0, 3));
+  REQUIRE(take_within(reader, sample));
+  CHECK(sample.step() == 3);
+
+  // The owner falls silent without saying so: its liveliness runs out after half a second.
+  CHECK(eventually([&] {
+    standby.assert_liveliness();
+    standby.write(command(0, 4));
+    return reader.take(sample) && sample.step() == 4;
+  }));
+}
+
+TEST_CASE("a waiter ends by data, by wake, by a stop, or by its limit") {
+  bus::StopSignal stop;
+  bus::Waiter waiter(stop);
+  CHECK_FALSE(waiter.wait(10ms));
+  waiter.wake();
+  CHECK(waiter.wait(10s));
+  CHECK_FALSE(waiter.wait(10ms));
+  const auto later = std::async(std::launch::async, [] {
+    std::this_thread::sleep_for(20ms);
+    kill(getpid(), SIGTERM);
+  });
+  CHECK(waiter.wait(10s));
+  CHECK(stop.requested());
+  CHECK(stop.interrupted());
+}
+
+TEST_CASE("names that would be patterns, and domains without ports, are refused") {
+  bus::BusOptions options = place("x");
+  options.run = "*";
+  CHECK_THROWS_AS(bus::Participant(options), InputError);
+  options = place("x");
+  options.domain = 102;
+  CHECK_THROWS_WITH(bus::Participant(options), Contains("0 to 101"));
+}
+
+}  // namespace aloft

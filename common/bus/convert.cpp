@@ -1,0 +1,208 @@
+#include "common/bus/convert.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace aloft::bus {
+namespace {
+
+wire::Action to_wire(agents::Action action) {
+  switch (action) {
+    case agents::Action::none:
+      return wire::ACTION_NONE;
+    case agents::Action::down:
+      return wire::ACTION_DOWN;
+    case agents::Action::hold:
+      return wire::ACTION_HOLD;
+    case agents::Action::up:
+      return wire::ACTION_UP;
+    case agents::Action::absolute:
+      return wire::ACTION_ABSOLUTE;
+  }
+  throw std::logic_error("convert: unknown action");
+}
+
+agents::Action from_wire(wire::Action action) {
+  switch (action) {
+    case wire::ACTION_NONE:
+      return agents::Action::none;
+    case wire::ACTION_DOWN:
+      return agents::Action::down;
+    case wire::ACTION_HOLD:
+      return agents::Action::hold;
+    case wire::ACTION_UP:
+      return agents::Action::up;
+    case wire::ACTION_ABSOLUTE:
+      return agents::Action::absolute;
+    case wire::ACTION_UNKNOWN_FLIGHT:
+      break;
+  }
+  throw std::logic_error("convert: this action is no command");
+}
+
+}  // namespace
+
+void put(wire::ChannelReport& report, const agents::FlightInfo& flight) {
+  report.qos_kind(flight.qos == agents::QosKind::throughput ? wire::QOS_THROUGHPUT : wire::QOS_SPECTRAL_EFFICIENCY);
+  report.height_min_m(flight.height_min_m);
+  report.height_max_m(flight.height_max_m);
+  report.height_step_m(flight.height_step_m);
+  report.steps(flight.steps);
+  report.seed(flight.seed);
+  report.trial(flight.trial);
+}
+
+void put(wire::ChannelReport& report, const agents::Observation& observation) {
+  report.step(observation.step);
+  report.height_m(observation.height_m);
+  report.serving_cell(observation.serving_cell);
+  report.serving_sinr_db(observation.serving_sinr_db);
+  const auto neighbours = observation.neighbour_sinr_db.begin();
+  report.neighbour_sinr_db().assign(neighbours, neighbours + observation.neighbour_count);
+  report.qos(observation.qos);
+  report.executed(to_wire(observation.executed));
+  report.reward(observation.reward);
+  report.last(observation.last);
+}
+
+void put(wire::HeightCommand& message, const agents::Command& command) {
+  message.action(to_wire(command.action));
+  message.height_m(command.height_m);
+  message.has_introspection(command.introspection.has_value());
+  const agents::Introspection introspection = command.introspection.value_or(agents::Introspection{});
+  message.epsilon(introspection.epsilon);
+  message.loss(introspection.loss);
+  message.q_values(introspection.q_values);
+}
+
+void put(wire::HeightProfile& message, const agents::HeightProfile& profile) {
+  message.step(profile.step);
+  message.height_min_m(profile.height_min_m);
+  message.resolution_m(profile.resolution_m);
+  message.qos(profile.qos);
+}
+
+void put(wire::World& message, const world::City& city) {
+  message.kind(wire::WORLD_CITY);
+  wire::City& target = message.city();
+  target.window_m(city.window_m);
+  target.base_station_height_m(city.base_station_height_m);
+  target.base_stations().resize(city.base_stations.size());
+  for (std::size_t i = 0; i < city.base_stations.size(); ++i) {
+    target.base_stations()[i].x_m(city.base_stations[i].x_m);
+    target.base_stations()[i].y_m(city.base_stations[i].y_m);
+  }
+  target.buildings_x(city.buildings_x);
+  target.buildings_y(city.buildings_y);
+  target.building_width_m(city.building_width_m);
+  target.building_height_m(city.building_height_m);
+}
+
+void put(wire::World& message, const world::MeasuredFlight& flight) {
+  message.kind(wire::WORLD_MEASURED);
+  wire::MeasuredFlight& target = message.measured();
+  target.height_min_m(flight.height_min_m);
+  target.height_step_m(flight.height_step_m);
+  target.heights(flight.heights);
+  target.steps(flight.steps);
+  target.sinr_derived(flight.sinr_derived);
+  target.throughput_kbps(flight.throughput_kbps);
+  target.sinr_db(flight.sinr_db);
+  target.serving_cell(flight.serving_cell);
+}
+
+agents::FlightInfo flight_info(const wire::ChannelReport& report) {
+  agents::FlightInfo flight;
+  flight.qos =
+      report.qos_kind() == wire::QOS_THROUGHPUT ? agents::QosKind::throughput : agents::QosKind::spectral_efficiency;
+  flight.height_min_m = report.height_min_m();
+  flight.height_max_m = report.height_max_m();
+  flight.height_step_m = report.height_step_m();
+  flight.steps = report.steps();
+  flight.seed = report.seed();
+  flight.trial = report.trial();
+  return flight;
+}
+
+agents::Observation observation(const wire::ChannelReport& report) {
+  agents::Observation observation;
+  observation.step = report.step();
+  observation.height_m = report.height_m();
+  observation.serving_cell = report.serving_cell();
+  observation.serving_sinr_db = report.serving_sinr_db();
+  observation.neighbour_count = static_cast<std::uint32_t>(report.neighbour_sinr_db().size());
+  std::copy_n(report.neighbour_sinr_db().begin(), observation.neighbour_count, observation.neighbour_sinr_db.begin());
+  observation.qos = report.qos();
+  observation.executed = from_wire(report.executed());
+  observation.reward = report.reward();
+  observation.last = report.last();
+  return observation;
+}
+
+agents::Command command(const wire::HeightCommand& message) {
+  agents::Command command;
+  command.action = from_wire(message.action());
+  command.height_m = message.height_m();
+  if (message.has_introspection())
+    command.introspection = agents::Introspection{message.epsilon(), message.loss(), message.q_values()};
+  return command;
+}
+
+agents::HeightProfile profile(const wire::HeightProfile& message) {
+  return {message.step(), message.height_min_m(), message.resolution_m(), message.qos()};
+}
+
+world::City city(const wire::World& message) {
+  const wire::City& source = message.city();
+  world::City city;
+  city.window_m = source.window_m();
+  city.base_station_height_m = source.base_station_height_m();
+  city.base_stations.reserve(source.base_stations().size());
+  for (const wire::Position& position : source.base_stations())
+    city.base_stations.push_back({position.x_m(), position.y_m()});
+  city.buildings_x = source.buildings_x();
+  city.buildings_y = source.buildings_y();
+  city.building_width_m = source.building_width_m();
+  city.building_height_m = source.building_height_m();
+  return city;
+}
+
+world::MeasuredFlight measured_flight(const wire::World& message) {
+  const wire::MeasuredFlight& source = message.measured();
+  world::MeasuredFlight flight;
+  flight.height_min_m = source.height_min_m();
+  flight.height_step_m = source.height_step_m();
+  flight.heights = source.heights();
+  flight.steps = source.steps();
+  flight.sinr_derived = source.sinr_derived();
+  flight.throughput_kbps = source.throughput_kbps();
+  flight.sinr_db = source.sinr_db();
+  flight.serving_cell = source.serving_cell();
+  return flight;
+}
+
+wire::Privilege to_wire(agents::Privilege privilege) {
+  switch (privilege) {
+    case agents::Privilege::none:
+      return wire::PRIVILEGE_NONE;
+    case agents::Privilege::next_step:
+      return wire::PRIVILEGE_NEXT_STEP;
+    case agents::Privilege::whole_route:
+      return wire::PRIVILEGE_WHOLE_ROUTE;
+  }
+  throw std::logic_error("convert: unknown privilege");
+}
+
+agents::Privilege from_wire(wire::Privilege privilege) {
+  switch (privilege) {
+    case wire::PRIVILEGE_NONE:
+      return agents::Privilege::none;
+    case wire::PRIVILEGE_NEXT_STEP:
+      return agents::Privilege::next_step;
+    case wire::PRIVILEGE_WHOLE_ROUTE:
+      return agents::Privilege::whole_route;
+  }
+  throw std::logic_error("convert: unknown privilege");
+}
+
+}  // namespace aloft::bus

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "common/agents/agent.hpp"
+#include "common/agents/registry.hpp"
+#include "common/bus/wire.hpp"
+#include "common/world/world.hpp"
+
+/// Between what is on the wire and what the domain code knows.
+namespace aloft::bus {
+
+void put(wire::ChannelReport& report, const agents::FlightInfo& flight);
+void put(wire::ChannelReport& report, const agents::Observation& observation);
+void put(wire::HeightCommand& message, const agents::Command& command);
+void put(wire::HeightProfile& message, const agents::HeightProfile& profile);
+void put(wire::World& message, const world::City& city);
+void put(wire::World& message, const world::MeasuredFlight& flight);
+
+[[nodiscard]] agents::FlightInfo flight_info(const wire::ChannelReport& report);
+[[nodiscard]] agents::Observation observation(const wire::ChannelReport& report);
+/// Not for ACTION_UNKNOWN_FLIGHT (std::logic_error).
+[[nodiscard]] agents::Command command(const wire::HeightCommand& message);
+[[nodiscard]] agents::HeightProfile profile(const wire::HeightProfile& message);
+[[nodiscard]] world::City city(const wire::World& message);
+[[nodiscard]] world::MeasuredFlight measured_flight(const wire::World& message);
+
+[[nodiscard]] wire::Privilege to_wire(agents::Privilege privilege);
+[[nodiscard]] agents::Privilege from_wire(wire::Privilege privilege);
+
+}  // namespace aloft::bus

@@ -1,0 +1,126 @@
+#pragma once
+
+// Inside common/bus only: the middleware's side of Participant.
+
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <exception>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "common/bus/participant.hpp"
+#include "common/bus/topics.hpp"
+
+namespace aloft::bus {
+
+[[nodiscard]] inline eprosima::fastrtps::Duration_t duration(std::chrono::milliseconds ms) {
+  return {static_cast<std::int32_t>(ms.count() / 1000), static_cast<std::uint32_t>(ms.count() % 1000) * 1'000'000U};
+}
+
+/// Counts refused samples of one topic; from any thread. Logs the first, second, fourth, ... of each kind.
+class DropCounter {
+ public:
+  explicit DropCounter(std::string_view topic) : topic_(topic) {}
+
+  void malformed(const char* why) { count(malformed_, "malformed", why); }
+  void invalid(const char* why) { count(invalid_, "invalid", why); }
+  void foreign(const char* why) { count(foreign_, "foreign", why); }
+  [[nodiscard]] Drops drops() const { return {malformed_, invalid_, foreign_}; }
+
+ private:
+  void count(std::atomic<std::uint64_t>& counter, const char* kind, const char* why) {
+    const std::uint64_t seen = ++counter;
+    if (std::has_single_bit(seen)) spdlog::warn("{}: dropped a {} sample ({}); {} so far", topic_, kind, why, seen);
+  }
+
+  std::string_view topic_;
+  std::atomic<std::uint64_t> malformed_{0};
+  std::atomic<std::uint64_t> invalid_{0};
+  std::atomic<std::uint64_t> foreign_{0};
+};
+
+/// The generated type support, made safe: the middleware calls deserialize() from its receiving threads and does not
+/// survive an exception there. Samples whose size does not fit their content (a text that would be cut, trailing
+/// bytes) are malformed too.
+template <class Generated>
+class CheckedType : public Generated {
+ public:
+  explicit CheckedType(DropCounter& drops) : drops_(drops) {
+    this->auto_fill_type_information(false);
+    this->auto_fill_type_object(false);
+  }
+
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    try {
+      if (!Generated::deserialize(payload, data)) {
+        drops_.malformed("not this type");
+        return false;
+      }
+      const std::size_t expected =
+          Generated::type::getCdrSerializedSize(*static_cast<const typename Generated::type*>(data)) +
+          eprosima::fastrtps::rtps::SerializedPayload_t::representation_header_size;
+      constexpr std::size_t padding = 3;
+      if (payload->length < expected || payload->length > expected + padding) {
+        drops_.malformed("longer or shorter than its content");
+        return false;
+      }
+      return true;
+    } catch (const std::exception& error) {
+      drops_.malformed(error.what());
+    } catch (...) {
+      drops_.malformed("unknown exception");
+    }
+    return false;
+  }
+
+ private:
+  DropCounter& drops_;
+};
+
+/// Owns the middleware's participant and, made when first needed, one publisher and subscriber per scope and one topic
+/// per type.
+struct Participant::State {
+  explicit State(const BusOptions& options);
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  eprosima::fastdds::dds::Publisher& publisher(Scope scope);
+  eprosima::fastdds::dds::Subscriber& subscriber(Scope scope);
+  [[nodiscard]] std::string partition(Scope scope) const;
+
+  struct TopicEntry {
+    std::unique_ptr<DropCounter> drops;
+    eprosima::fastdds::dds::Topic* topic = nullptr;
+  };
+  template <class Generated>
+  TopicEntry& topic(const TopicSettings& settings) {
+    const std::lock_guard lock(mutex);
+    TopicEntry& entry = topics[settings.name];
+    if (entry.topic != nullptr) return entry;
+    if (!entry.drops) entry.drops = std::make_unique<DropCounter>(settings.name);
+    register_topic(entry, settings, eprosima::fastdds::dds::TypeSupport(new CheckedType<Generated>(*entry.drops)));
+    return entry;
+  }
+  void register_topic(TopicEntry& entry, const TopicSettings& settings, eprosima::fastdds::dds::TypeSupport type);
+
+  BusOptions options;
+  mutable std::mutex mutex;
+  eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
+  std::array<eprosima::fastdds::dds::Publisher*, 3> publishers{};
+  std::array<eprosima::fastdds::dds::Subscriber*, 3> subscribers{};
+  std::map<std::string_view, TopicEntry> topics;
+};
+
+}  // namespace aloft::bus

@@ -1,0 +1,254 @@
+#include "common/bus/endpoint.hpp"
+
+#include <fmt/format.h>
+#include <idl/controlPubSubTypes.h>
+#include <idl/flightPubSubTypes.h>
+#include <idl/recordPubSubTypes.h>
+#include <idl/worldPubSubTypes.h>
+
+#include <algorithm>
+#include <fastdds/dds/core/condition/StatusCondition.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <stdexcept>
+
+#include "common/bus/detail.hpp"
+#include "common/bus/validate.hpp"
+
+namespace aloft::bus {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
+
+namespace {
+
+constexpr std::chrono::milliseconds heartbeat_period{20};
+constexpr std::chrono::milliseconds max_blocking_time{1000};
+constexpr std::chrono::milliseconds liveliness_lease{500};
+constexpr std::chrono::milliseconds liveliness_announcement{100};
+
+/// What writers and readers have in common; the two sides must agree to be matched.
+template <class Qos>
+void apply(const TopicSettings& settings, Qos& qos) {
+  qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  qos.reliability().max_blocking_time = duration(max_blocking_time);
+  qos.durability().kind = settings.transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = settings.depth;
+  qos.resource_limits().max_instances = settings.keys;
+  qos.resource_limits().max_samples_per_instance = settings.depth;
+  qos.resource_limits().max_samples = settings.depth * settings.keys;
+  qos.resource_limits().allocated_samples = std::min(16, settings.depth * settings.keys);
+  qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+  qos.data_sharing().off();
+  if (settings.exclusive) {
+    qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
+    // The other kinds of liveliness do not notice a dead process while another participant lives.
+    qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+    qos.liveliness().lease_duration = duration(liveliness_lease);
+    qos.liveliness().announcement_period = duration(liveliness_announcement);
+  }
+}
+
+template <class T>
+struct TypeSupportOf;
+#define ALOFT_BUS_TYPE(T)             \
+  template <>                         \
+  struct TypeSupportOf<wire::T> {     \
+    using Type = wire::T##PubSubType; \
+  }
+ALOFT_BUS_TYPE(RunControl);
+ALOFT_BUS_TYPE(TrialAssignment);
+ALOFT_BUS_TYPE(WorkerStatus);
+ALOFT_BUS_TYPE(RunStatus);
+ALOFT_BUS_TYPE(EpisodeRecord);
+ALOFT_BUS_TYPE(EpisodeStored);
+ALOFT_BUS_TYPE(World);
+ALOFT_BUS_TYPE(ChannelReport);
+ALOFT_BUS_TYPE(HeightCommand);
+ALOFT_BUS_TYPE(AgentStatus);
+ALOFT_BUS_TYPE(HeightProfile);
+#undef ALOFT_BUS_TYPE
+
+template <class T>
+constexpr bool belongs_to_experiment = requires(const T& sample) { sample.experiment_id(); };
+
+}  // namespace
+
+template <class T>
+struct Writer<T>::State {
+  std::shared_ptr<Participant::State> participant;
+  const TopicSettings& settings = topic_settings<T>();
+  dds::Publisher* publisher = nullptr;
+  dds::DataWriter* writer = nullptr;
+
+  ~State() {
+    if (writer != nullptr) publisher->delete_datawriter(writer);
+  }
+};
+
+template <class T>
+Writer<T>::Writer(const Participant& participant, const WriterOptions& options) : state_(std::make_unique<State>()) {
+  state_->participant = participant.state();
+  state_->publisher = &state_->participant->publisher(state_->settings.scope);
+  auto& entry = state_->participant->template topic<typename TypeSupportOf<T>::Type>(state_->settings);
+  dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
+  apply(state_->settings, qos);
+  qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(heartbeat_period);
+  if (state_->settings.exclusive) qos.ownership_strength().value = options.strength;
+  state_->writer = state_->publisher->create_datawriter(entry.topic, qos);
+  if (state_->writer == nullptr)
+    throw std::runtime_error(fmt::format("bus: cannot create a writer of {}", state_->settings.name));
+}
+
+template <class T>
+Writer<T>::Writer(Writer&&) noexcept = default;
+template <class T>
+Writer<T>& Writer<T>::operator=(Writer&&) noexcept = default;
+template <class T>
+Writer<T>::~Writer() = default;
+
+template <class T>
+void Writer<T>::write(T& sample) {
+  sample.protocol_version(wire::PROTOCOL_VERSION);
+  if (const char* error = validate(sample))
+    throw std::invalid_argument(fmt::format("bus: {}: refused to write: {}", state_->settings.name, error));
+  if (!state_->writer->write(&sample))
+    throw std::runtime_error(fmt::format("bus: {}: the middleware refused a sample (at most {} live keys)",
+                                         state_->settings.name, state_->settings.keys));
+}
+
+template <class T>
+std::size_t Writer<T>::matched() const {
+  dds::PublicationMatchedStatus status;
+  state_->writer->get_publication_matched_status(status);
+  return static_cast<std::size_t>(status.current_count);
+}
+
+template <class T>
+void Writer<T>::assert_liveliness() {
+  state_->writer->assert_liveliness();
+}
+
+template <class T>
+void Writer<T>::set_strength(std::uint32_t strength) {
+  dds::DataWriterQos qos = state_->writer->get_qos();
+  qos.ownership_strength().value = strength;
+  if (state_->writer->set_qos(qos) != ReturnCode::RETCODE_OK)
+    throw std::runtime_error(fmt::format("bus: {}: cannot change the strength", state_->settings.name));
+}
+
+template <class T>
+bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
+  return state_->writer->wait_for_acknowledgments(duration(limit)) == ReturnCode::RETCODE_OK;
+}
+
+template <class T>
+struct Reader<T>::State {
+  std::shared_ptr<Participant::State> participant;
+  const TopicSettings& settings = topic_settings<T>();
+  dds::Subscriber* subscriber = nullptr;
+  dds::DataReader* reader = nullptr;
+  DropCounter* drops = nullptr;
+  std::string experiment;
+  T scratch;
+
+  ~State() {
+    if (reader != nullptr) subscriber->delete_datareader(reader);
+  }
+
+  [[nodiscard]] bool good(const T& sample) const {
+    if (sample.protocol_version() != wire::PROTOCOL_VERSION) {
+      drops->foreign("another protocol version");
+      return false;
+    }
+    if constexpr (belongs_to_experiment<T>) {
+      if (!experiment.empty() && sample.experiment_id() != experiment) {
+        drops->foreign("another experiment");
+        return false;
+      }
+    }
+    if (const char* error = validate(sample)) {
+      drops->invalid(error);
+      return false;
+    }
+    return true;
+  }
+};
+
+template <class T>
+Reader<T>::Reader(const Participant& participant) : state_(std::make_unique<State>()) {
+  state_->participant = participant.state();
+  state_->subscriber = &state_->participant->subscriber(state_->settings.scope);
+  auto& entry = state_->participant->template topic<typename TypeSupportOf<T>::Type>(state_->settings);
+  state_->drops = entry.drops.get();
+  dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
+  apply(state_->settings, qos);
+  state_->reader = state_->subscriber->create_datareader(entry.topic, qos);
+  if (state_->reader == nullptr)
+    throw std::runtime_error(fmt::format("bus: cannot create a reader of {}", state_->settings.name));
+  state_->reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
+}
+
+template <class T>
+Reader<T>::Reader(Reader&&) noexcept = default;
+template <class T>
+Reader<T>& Reader<T>::operator=(Reader&&) noexcept = default;
+template <class T>
+Reader<T>::~Reader() = default;
+
+template <class T>
+bool Reader<T>::take(T& sample) {
+  dds::SampleInfo info;
+  while (state_->reader->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK)
+    if (info.valid_data && state_->good(sample)) return true;
+  return false;
+}
+
+template <class T>
+void Reader<T>::expect_experiment(const std::string& id) {
+  state_->experiment = id;
+}
+
+template <class T>
+std::size_t Reader<T>::matched() const {
+  dds::SubscriptionMatchedStatus status;
+  state_->reader->get_subscription_matched_status(status);
+  return static_cast<std::size_t>(status.current_count);
+}
+
+template <class T>
+Drops Reader<T>::drops() const {
+  return state_->drops->drops();
+}
+
+template <class T>
+void* Reader<T>::condition() {
+  return static_cast<dds::Condition*>(&state_->reader->get_statuscondition());
+}
+
+template <class T>
+T& Reader<T>::scratch() {
+  return state_->scratch;
+}
+
+#define ALOFT_BUS_ENDPOINTS(T)    \
+  template class Writer<wire::T>; \
+  template class Reader<wire::T>
+ALOFT_BUS_ENDPOINTS(RunControl);
+ALOFT_BUS_ENDPOINTS(TrialAssignment);
+ALOFT_BUS_ENDPOINTS(WorkerStatus);
+ALOFT_BUS_ENDPOINTS(RunStatus);
+ALOFT_BUS_ENDPOINTS(EpisodeRecord);
+ALOFT_BUS_ENDPOINTS(EpisodeStored);
+ALOFT_BUS_ENDPOINTS(World);
+ALOFT_BUS_ENDPOINTS(ChannelReport);
+ALOFT_BUS_ENDPOINTS(HeightCommand);
+ALOFT_BUS_ENDPOINTS(AgentStatus);
+ALOFT_BUS_ENDPOINTS(HeightProfile);
+#undef ALOFT_BUS_ENDPOINTS
+
+}  // namespace aloft::bus

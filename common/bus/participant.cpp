@@ -1,0 +1,155 @@
+#include "common/bus/participant.hpp"
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "common/bus/detail.hpp"
+
+namespace aloft::bus {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+constexpr int max_domain = 101;
+constexpr std::size_t max_partition_part = 64;
+constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
+
+/// Sends the middleware's own warnings to our log.
+class LogToSpdlog : public dds::LogConsumer {
+ public:
+  void Consume(const dds::Log::Entry& entry) override {
+    const auto level = entry.kind == dds::Log::Kind::Error ? spdlog::level::warn : spdlog::level::debug;
+    spdlog::log(level, "dds {}: {}", entry.context.category != nullptr ? entry.context.category : "", entry.message);
+  }
+};
+
+/// Settings that hold for the whole process and must stand before the first participant.
+void prepare_middleware() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    // A DEFAULT_FASTRTPS_PROFILES.xml that happens to lie in the working directory must not change a run.
+    setenv("SKIP_DEFAULT_XML_FILE", "1", 0);
+    eprosima::fastrtps::LibrarySettingsAttributes library;
+    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+    dds::Log::ClearConsumers();
+    dds::Log::RegisterConsumer(std::make_unique<LogToSpdlog>());
+  });
+}
+
+void check_name(std::string_view what, const std::string& name) {
+  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-'; };
+  if (name.size() <= max_partition_part && std::all_of(name.begin(), name.end(), allowed)) return;
+  throw InputError(
+      fmt::format("{} name '{}': use at most {} letters, digits, '.', '_' or '-'", what, name, max_partition_part));
+}
+
+dds::DomainParticipantQos participant_qos(const BusOptions& options) {
+  dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
+  qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
+
+  // UDP only: a killed process leaves no shared memory behind, and a full /dev/shm cannot take others down.
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = options.interfaces;
+  udp->sendBufferSize = socket_buffer_bytes;
+  udp->receiveBufferSize = socket_buffer_bytes;
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.leaseDuration = duration(options.lease);
+  discovery.leaseDuration_announcementperiod = duration(options.lease / 5);
+  discovery.initial_announcements.count = 5;
+  discovery.initial_announcements.period = duration(std::chrono::milliseconds(50));
+  qos.wire_protocol().builtin.mutation_tries = 200;
+  qos.wire_protocol().builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  return qos;
+}
+
+}  // namespace
+
+Participant::Participant(const BusOptions& options) : state_(std::make_shared<State>(options)) {}
+
+const BusOptions& Participant::options() const noexcept {
+  return state_->options;
+}
+
+std::uint64_t Participant::drops() const {
+  const std::lock_guard lock(state_->mutex);
+  std::uint64_t total = 0;
+  for (const auto& [name, entry] : state_->topics) total += entry.drops->drops().total();
+  return total;
+}
+
+Participant::State::State(const BusOptions& wanted) : options(wanted) {
+  if (options.domain < 0 || options.domain > max_domain)
+    throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));
+  check_name("run", options.run);
+  check_name("worker", options.worker);
+  prepare_middleware();
+  participant = dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(options.domain), participant_qos(options));
+  if (participant == nullptr)
+    throw std::runtime_error(fmt::format(
+        "cannot join DDS domain {} on {}: is the address one of this machine, and is a UDP port free? (about 100 "
+        "processes fit in a domain; try another --domain)",
+        options.domain, fmt::join(options.interfaces, ", ")));
+}
+
+Participant::State::~State() {
+  participant->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+std::string Participant::State::partition(Scope scope) const {
+  std::string name = "aloft/" + options.run;
+  if (scope == Scope::run) return name;
+  if (options.worker.empty())
+    throw std::logic_error("bus: a process outside of a worker cannot use the topics inside a worker");
+  name += "/" + options.worker;
+  return scope == Scope::worker ? name : name + "/privileged";
+}
+
+dds::Publisher& Participant::State::publisher(Scope scope) {
+  const std::lock_guard lock(mutex);
+  dds::Publisher*& publisher = publishers.at(static_cast<std::size_t>(scope));
+  if (publisher == nullptr) {
+    dds::PublisherQos qos = dds::PUBLISHER_QOS_DEFAULT;
+    qos.partition().push_back(partition(scope).c_str());
+    publisher = participant->create_publisher(qos);
+    if (publisher == nullptr) throw std::runtime_error("bus: cannot create a publisher in " + partition(scope));
+  }
+  return *publisher;
+}
+
+dds::Subscriber& Participant::State::subscriber(Scope scope) {
+  const std::lock_guard lock(mutex);
+  dds::Subscriber*& subscriber = subscribers.at(static_cast<std::size_t>(scope));
+  if (subscriber == nullptr) {
+    dds::SubscriberQos qos = dds::SUBSCRIBER_QOS_DEFAULT;
+    qos.partition().push_back(partition(scope).c_str());
+    subscriber = participant->create_subscriber(qos);
+    if (subscriber == nullptr) throw std::runtime_error("bus: cannot create a subscriber in " + partition(scope));
+  }
+  return *subscriber;
+}
+
+void Participant::State::register_topic(TopicEntry& entry, const TopicSettings& settings, dds::TypeSupport type) {
+  const std::string name(settings.name);
+  if (participant->register_type(type) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+    throw std::runtime_error("bus: cannot register the type of topic " + name);
+  entry.topic = participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  if (entry.topic == nullptr) throw std::runtime_error("bus: cannot create topic " + name);
+}
+
+}  // namespace aloft::bus

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace aloft::bus {
+
+/// Where a process stands on the bus.
+struct BusOptions {
+  std::string run = "default";  ///< partition of the run; letters, digits, '.', '_', '-'
+  std::string worker;           ///< partition of the worker, e.g. "w0"; empty: coordinator, metrics, command line
+  std::string process;          ///< for logs and discovery, e.g. "aloft-channel"
+  int domain = 0;               ///< 0..101
+  std::vector<std::string> interfaces{"127.0.0.1"};  ///< addresses to use; loopback only unless the user says otherwise
+  std::chrono::milliseconds lease{1000};             ///< a process that is silent for this long is forgotten
+};
+
+/// Samples of one topic that were refused in this process.
+struct Drops {
+  std::uint64_t malformed = 0;  ///< not the bytes of this type
+  std::uint64_t invalid = 0;    ///< a value out of its range (validate.hpp)
+  std::uint64_t foreign = 0;    ///< of another protocol version or experiment
+
+  [[nodiscard]] std::uint64_t total() const noexcept { return malformed + invalid + foreign; }
+};
+
+/// One per process: its place on the bus. Writers and readers keep it alive as long as they need it.
+class Participant {
+ public:
+  /// InputError if an option is out of range; std::runtime_error if the middleware refuses.
+  explicit Participant(const BusOptions& options);
+
+  [[nodiscard]] const BusOptions& options() const noexcept;
+  /// Drops over all topics.
+  [[nodiscard]] std::uint64_t drops() const;
+
+  struct State;
+  [[nodiscard]] const std::shared_ptr<State>& state() const noexcept { return state_; }
+
+ private:
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace aloft::bus

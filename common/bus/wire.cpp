@@ -1,0 +1,54 @@
+#include "common/bus/wire.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace aloft::wire {
+namespace {
+
+template <class Field>
+Field whole(std::string_view text) {
+  if (text.size() > Field::max_size)
+    throw std::length_error(
+        fmt::format("'{}' has {} bytes; names on the wire have at most {}", text, text.size(), Field::max_size));
+  return Field(std::string(text));
+}
+
+}  // namespace
+
+Name name(std::string_view text) {
+  return whole<Name>(text);
+}
+
+ExperimentId experiment_id(std::string_view text) {
+  return whole<ExperimentId>(text);
+}
+
+Message message(std::string_view text) {
+  return Message(std::string(text.substr(0, max_message_length)));
+}
+
+std::vector<Name> names(const std::vector<std::string>& texts) {
+  std::vector<Name> result;
+  result.reserve(texts.size());
+  for (const std::string& text : texts) result.push_back(name(text));
+  return result;
+}
+
+std::vector<std::string> texts(const std::vector<Name>& names) {
+  std::vector<std::string> result;
+  result.reserve(names.size());
+  for (const Name& one : names) result.emplace_back(one.c_str());
+  return result;
+}
+
+std::vector<std::uint8_t> bytes(std::string_view text) {
+  return {text.begin(), text.end()};
+}
+
+std::string_view view(const std::vector<std::uint8_t>& bytes) noexcept {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace aloft::wire

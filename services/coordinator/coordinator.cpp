@@ -103,9 +103,9 @@ std::vector<Order> Coordinator::tick(Clock::time_point now) {
   }
   std::vector<Order> orders = std::exchange(cancellations_, {});
   if (now < grant_from_ || over()) return orders;
-  while (auto lease = ledger_.grant(now)) {
-    Order order{std::move(lease->worker), lease->id, lease->condition, lease->trial, lease->attempt, {}, false};
-    for (const std::uint32_t agent : lease->agents) order.agents.push_back(experiment_.agents[agent].name);
+  for (Lease lease; ledger_.grant(now, lease);) {
+    Order order{lease.worker, lease.id, lease.condition, lease.trial, lease.attempt, {}, false};
+    for (const std::uint32_t agent : lease.agents) order.agents.push_back(experiment_.agents[agent].name);
     if (order.attempt > 1)
       spdlog::info("{} goes to worker {}, attempt {}", trial_name(order.condition, order.trial), order.worker,
                    order.attempt);
@@ -213,11 +213,11 @@ void Coordinator::take_failures(const WorkerNews& news, Clock::time_point now) {
     const std::uint64_t failed_before = ledger_.count(TrialState::failed);
     const std::uint64_t leased_before = ledger_.count(TrialState::leased);
     ledger_.lease_failed(lease, reason);
-    if (ledger_.count(TrialState::leased) == leased_before) continue;  // old news
-    const auto [condition, trial] = *ledger_.trial_of(lease);
+    const auto trial = ledger_.trial_of(lease);
+    if (!trial || ledger_.count(TrialState::leased) == leased_before) continue;  // old news
     const bool for_good = ledger_.count(TrialState::failed) > failed_before;
-    trouble(fmt::format("{} failed {}on worker {}: {}", trial_name(condition, trial), for_good ? "for good " : "",
-                        news.report.name, reason),
+    trouble(fmt::format("{} failed {}on worker {}: {}", trial_name(trial->first, trial->second),
+                        for_good ? "for good " : "", news.report.name, reason),
             now);
   }
 }

@@ -51,7 +51,7 @@ LeaseLedger::LeaseLedger(const LedgerOptions& options)
   counts_[static_cast<std::size_t>(TrialState::pending)] = slots_.size();
   for (const std::uint32_t trial : lease_order(options, slots_.size())) {
     slots_[trial].missing = static_cast<std::uint16_t>(options.agents);
-    if (!predecessor(trial)) enqueue(trial, Queue::fresh);
+    if (predecessor(trial) == none) enqueue(trial, Queue::fresh);
   }
 }
 
@@ -70,14 +70,14 @@ bool LeaseLedger::flight_stored(std::uint32_t condition, std::uint32_t trial, st
     std::erase_if(reasons_, [at](const auto& reason) { return reason.first == at; });
   dequeue(at);
   set_state(at, TrialState::done);
-  if (const auto next = successor(at); next && slots_[*next].queue == Queue::nowhere) {
-    Slot& follower = slots_[*next];
+  if (const std::uint32_t next = successor(at); next != none && slots_[next].queue == Queue::nowhere) {
+    Slot& follower = slots_[next];
     const bool failed_with_us = follower.state == TrialState::failed && follower.failures == 0 && follower.losses == 0;
     if (failed_with_us) {
-      std::erase_if(reasons_, [&](const auto& reason) { return reason.first == *next; });
-      set_state(*next, TrialState::pending);
+      std::erase_if(reasons_, [&](const auto& reason) { return reason.first == next; });
+      set_state(next, TrialState::pending);
     }
-    if (follower.state == TrialState::pending) enqueue(*next, Queue::fresh);
+    if (follower.state == TrialState::pending) enqueue(next, Queue::fresh);
   }
   return true;
 }
@@ -157,19 +157,19 @@ std::vector<LostWorker> LeaseLedger::expire(Clock::time_point now) {
   return lost;
 }
 
-std::optional<Lease> LeaseLedger::grant(Clock::time_point now) {
-  if (hungry_.empty()) return std::nullopt;
+bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
+  if (hungry_.empty()) return false;
   const std::uint32_t at = hungry_.front();
   const std::uint32_t trial = next_trial_for(at);
-  if (trial == none) return std::nullopt;
+  if (trial == none) return false;
   Worker& worker = workers_[at];
   Slot& slot = slots_[trial];
-  Lease lease;
   lease.id = (std::uint64_t{trial} << 32U) | grants_++;
   lease.worker = worker.name;
   lease.condition = trial / options_.trials;
   lease.trial = trial % options_.trials;
   lease.attempt = 1U + slot.failures + slot.losses;
+  lease.agents.clear();
   lease.agents.reserve(slot.missing);
   for (std::uint32_t agent = 0; agent < options_.agents; ++agent)
     if (!stored_[std::size_t{trial} * options_.agents + agent]) lease.agents.push_back(agent);
@@ -181,7 +181,7 @@ std::optional<Lease> LeaseLedger::grant(Clock::time_point now) {
   hungry_.remove(hungry_links_, at);
   worker.hungry = false;
   update_hungry(at);
-  return lease;
+  return true;
 }
 
 std::uint32_t LeaseLedger::next_trial_for(std::uint32_t worker) const noexcept {
@@ -230,14 +230,14 @@ std::uint32_t LeaseLedger::index(std::uint32_t condition, std::uint32_t trial) c
   return condition * options_.trials + trial;
 }
 
-std::optional<std::uint32_t> LeaseLedger::predecessor(std::uint32_t trial_index) const noexcept {
+std::uint32_t LeaseLedger::predecessor(std::uint32_t trial_index) const noexcept {
   const bool first = options_.lineages == 0 || trial_index % options_.trials < options_.lineages;
-  return first ? std::nullopt : std::optional(trial_index - options_.lineages);
+  return first ? none : trial_index - options_.lineages;
 }
 
-std::optional<std::uint32_t> LeaseLedger::successor(std::uint32_t trial_index) const noexcept {
+std::uint32_t LeaseLedger::successor(std::uint32_t trial_index) const noexcept {
   const bool last = options_.lineages == 0 || options_.trials - trial_index % options_.trials <= options_.lineages;
-  return last ? std::nullopt : std::optional(trial_index + options_.lineages);
+  return last ? none : trial_index + options_.lineages;
 }
 
 void LeaseLedger::set_state(std::uint32_t trial_index, TrialState state) noexcept {
@@ -312,14 +312,14 @@ void LeaseLedger::lose(std::uint32_t trial_index) {
 
 /// Also fails the trials that wait for this one.
 void LeaseLedger::fail_for_good(std::uint32_t trial_index, std::string reason) {
-  std::optional<std::uint32_t> trial = trial_index;
-  while (trial) {
-    set_state(*trial, TrialState::failed);
-    if (reasons_.size() < reasons_kept) reasons_.emplace_back(*trial, reason);
-    const std::uint32_t before = *trial;
-    trial = successor(before);
-    if (trial && (slots_[*trial].state != TrialState::pending || slots_[*trial].queue != Queue::nowhere)) break;
-    reason = fmt::format("its predecessor, trial {}, failed", before % options_.trials);
+  for (std::uint32_t trial = trial_index; trial != none;) {
+    set_state(trial, TrialState::failed);
+    if (reasons_.size() < reasons_kept) reasons_.emplace_back(trial, reason);
+    reason = fmt::format("its predecessor, trial {}, failed", trial % options_.trials);
+    trial = successor(trial);
+    const bool waits =
+        trial != none && slots_[trial].state == TrialState::pending && slots_[trial].queue == Queue::nowhere;
+    if (!waits) return;
   }
 }
 

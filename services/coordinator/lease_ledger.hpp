@@ -105,9 +105,9 @@ class LeaseLedger {
   /// Workers that have been silent for too long, with the leases that return to the queue.
   std::vector<LostWorker> expire(Clock::time_point now);
 
-  /// The next lease for some worker with free capacity, in turn; none if there is no such worker or no such trial.
+  /// The next lease for some worker with free capacity, in turn; false if there is no such worker or no such trial.
   /// A lost or failed trial goes to another worker than before if that needs no waiting.
-  std::optional<Lease> grant(Clock::time_point now);
+  bool grant(Clock::time_point now, Lease& lease);
 
   [[nodiscard]] bool finished() const noexcept;  ///< every trial is done or failed
   [[nodiscard]] std::uint64_t count(TrialState state) const noexcept {
@@ -159,8 +159,9 @@ class LeaseLedger {
   [[nodiscard]] static std::uint32_t trial_index(std::uint64_t lease) noexcept {
     return static_cast<std::uint32_t>(lease >> 32U);
   }
-  [[nodiscard]] std::optional<std::uint32_t> predecessor(std::uint32_t trial_index) const noexcept;
-  [[nodiscard]] std::optional<std::uint32_t> successor(std::uint32_t trial_index) const noexcept;
+  /// In the same lineage; none at its ends.
+  [[nodiscard]] std::uint32_t predecessor(std::uint32_t trial_index) const noexcept;
+  [[nodiscard]] std::uint32_t successor(std::uint32_t trial_index) const noexcept;
 
   void set_state(std::uint32_t trial_index, TrialState state) noexcept;
   void enqueue(std::uint32_t trial_index, Queue queue) noexcept;

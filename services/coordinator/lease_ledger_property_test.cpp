@@ -94,7 +94,7 @@ class Simulation {
       if (worker.alive && !worker.stopped) work(worker);
     deliver();
     ledger_.expire(now_);
-    while (const auto lease = ledger_.grant(now_)) assign(*lease);
+    for (Lease lease; ledger_.grant(now_, lease);) assign(lease);
     check_counts();
   }
 
@@ -137,6 +137,7 @@ class Simulation {
     if (setup_.ledger.lineages > 0 && lease.trial >= setup_.ledger.lineages)
       RC_ASSERT(ledger_.state(lease.condition, lease.trial - setup_.ledger.lineages) == TrialState::done);
     std::vector<Flight> flights;
+    flights.reserve(lease.agents.size());
     for (const std::uint32_t agent : lease.agents) flights.emplace_back(lease.condition, lease.trial, agent);
     RC_ASSERT_FALSE(flights.empty());
     for (const Flight& flight : flights)

@@ -18,12 +18,23 @@ HeartbeatResult beat(LeaseLedger& ledger, std::string_view worker, Clock::time_p
   return ledger.heartbeat({worker, incarnation, capacity, leases}, now);
 }
 
+bool nothing_to_grant(LeaseLedger& ledger, Clock::time_point now = start) {
+  Lease lease;
+  return !ledger.grant(now, lease);
+}
+
+Lease must_grant(LeaseLedger& ledger, Clock::time_point now = start) {
+  Lease lease;
+  REQUIRE(ledger.grant(now, lease));
+  return lease;
+}
+
 std::vector<std::uint32_t> trials_in_order(LeaseLedger& ledger, std::uint32_t agents) {
   std::vector<std::uint32_t> order;
   beat(ledger, "w0", start);
-  while (const auto lease = ledger.grant(start)) {
-    order.push_back(lease->condition * 1000 + lease->trial);
-    for (std::uint32_t agent = 0; agent < agents; ++agent) ledger.flight_stored(lease->condition, lease->trial, agent);
+  for (Lease lease; ledger.grant(start, lease);) {
+    order.push_back(lease.condition * 1000 + lease.trial);
+    for (std::uint32_t agent = 0; agent < agents; ++agent) ledger.flight_stored(lease.condition, lease.trial, agent);
   }
   return order;
 }
@@ -35,20 +46,20 @@ TEST_CASE("trials are leased condition by condition, each worker up to its capac
   beat(ledger, "w0", start, {}, 2);
   beat(ledger, "w1", start, {}, 1);
   std::vector<std::tuple<std::string, std::uint32_t, std::uint32_t>> granted;
-  while (const auto lease = ledger.grant(start)) granted.emplace_back(lease->worker, lease->condition, lease->trial);
+  for (Lease lease; ledger.grant(start, lease);) granted.emplace_back(lease.worker, lease.condition, lease.trial);
   REQUIRE(granted ==
           std::vector<std::tuple<std::string, std::uint32_t, std::uint32_t>>{{"w0", 0, 0}, {"w1", 0, 1}, {"w0", 1, 0}});
   CHECK(ledger.count(TrialState::leased) == 3);
   CHECK(ledger.count(TrialState::pending) == 1);
   CHECK(ledger.flight_stored(0, 1, 0));
-  CHECK(ledger.grant(start)->worker == "w1");
+  CHECK(must_grant(ledger).worker == "w1");
   CHECK(ledger.count(TrialState::done) == 1);
 }
 
 TEST_CASE("a worker without capacity gets nothing", "[ledger]") {
   LeaseLedger ledger({.trials = 2});
   beat(ledger, "leaving", start, {}, 0);
-  CHECK_FALSE(ledger.grant(start));
+  CHECK(nothing_to_grant(ledger));
   CHECK(ledger.workers_alive() == 1);
 }
 
@@ -56,48 +67,46 @@ TEST_CASE("a worker's silence returns its trials to the queue, for others first"
   LeaseLedger ledger({.trials = 3, .agents = 2, .heartbeat_timeout = 3s});
   beat(ledger, "w0", start);
   beat(ledger, "w1", start);
-  const auto first = ledger.grant(start);
-  const auto second = ledger.grant(start);
-  REQUIRE(first->worker == "w0");
+  const Lease first = must_grant(ledger);
+  const Lease second = must_grant(ledger);
+  REQUIRE(first.worker == "w0");
   ledger.flight_stored(0, 0, 1);
-  beat(ledger, "w1", start + 3s, {second->id});
+  beat(ledger, "w1", start + 3s, {second.id});
   CHECK(ledger.expire(start + 3s).empty());
   const auto lost = ledger.expire(start + 3001ms);
   REQUIRE(lost.size() == 1);
   CHECK(lost[0].name == "w0");
   CHECK(lost[0].silent_for == 3001ms);
-  CHECK(lost[0].leases == std::vector{first->id});
+  CHECK(lost[0].leases == std::vector{first.id});
   CHECK(ledger.state(0, 0) == TrialState::lost);
   CHECK(ledger.workers_alive() == 1);
 
-  CHECK_FALSE(ledger.grant(start + 4s));  // w1 is busy
+  CHECK(nothing_to_grant(ledger, start + 4s));  // w1 is busy
   ledger.flight_stored(0, 1, 0);
   ledger.flight_stored(0, 1, 1);
-  const auto retry = ledger.grant(start + 4s);
-  REQUIRE(retry);
-  CHECK(retry->worker == "w1");
-  CHECK(retry->trial == 0);
-  CHECK(retry->attempt == 2);
-  CHECK(retry->agents == std::vector{0U});  // agent 1 is in the database
+  const Lease retry = must_grant(ledger, start + 4s);
+  CHECK(retry.worker == "w1");
+  CHECK(retry.trial == 0);
+  CHECK(retry.attempt == 2);
+  CHECK(retry.agents == std::vector{0U});  // agent 1 is in the database
 }
 
 TEST_CASE("a trial that fails is tried max_attempts times, elsewhere if possible", "[ledger]") {
   LeaseLedger ledger({.trials = 2, .max_attempts = 2});
   beat(ledger, "w0", start);
   beat(ledger, "w1", start);
-  const auto first = ledger.grant(start);
-  const auto second = ledger.grant(start);
-  ledger.lease_failed(first->id, "no command from dqn for 60 s");
-  ledger.lease_failed(first->id, "the same again");  // duplicate
+  const Lease first = must_grant(ledger);
+  const Lease second = must_grant(ledger);
+  ledger.lease_failed(first.id, "no command from dqn for 60 s");
+  ledger.lease_failed(first.id, "the same again");  // duplicate
   CHECK(ledger.state(0, 0) == TrialState::pending);
-  CHECK(beat(ledger, "w0", start, {first->id}).cancel == std::vector{first->id});  // given up is given up
+  CHECK(beat(ledger, "w0", start, {first.id}).cancel == std::vector{first.id});  // given up is given up
   ledger.flight_stored(0, 1, 0);
   // Both workers are free; w0 stands first in line, but only it is left for a while.
-  const auto retry = ledger.grant(start);
-  REQUIRE(retry);
-  CHECK(retry->attempt == 2);
-  CHECK(second->trial == 1);
-  ledger.lease_failed(retry->id, "no command from dqn for 60 s");
+  const Lease retry = must_grant(ledger);
+  CHECK(retry.attempt == 2);
+  CHECK(second.trial == 1);
+  ledger.lease_failed(retry.id, "no command from dqn for 60 s");
   CHECK(ledger.state(0, 0) == TrialState::failed);
   CHECK(ledger.finished());
   REQUIRE(ledger.failures().size() == 1);
@@ -115,12 +124,12 @@ TEST_CASE("a trial that fails is tried max_attempts times, elsewhere if possible
 TEST_CASE("a failed trial waits for another worker while there are fresh trials", "[ledger]") {
   LeaseLedger ledger({.trials = 3});
   beat(ledger, "w0", start);
-  const auto first = ledger.grant(start);
-  ledger.lease_failed(first->id, "reason");
-  const auto next = ledger.grant(start);
-  CHECK(next->trial == 1);
+  const Lease first = must_grant(ledger);
+  ledger.lease_failed(first.id, "reason");
+  const Lease next = must_grant(ledger);
+  CHECK(next.trial == 1);
   beat(ledger, "w1", start);
-  CHECK(ledger.grant(start)->trial == 0);
+  CHECK(must_grant(ledger).trial == 0);
 }
 
 TEST_CASE("a trial under which workers vanish again and again fails", "[ledger]") {
@@ -129,7 +138,7 @@ TEST_CASE("a trial under which workers vanish again and again fails", "[ledger]"
     REQUIRE_FALSE(ledger.finished());
     const auto now = start + round * 10s;
     beat(ledger, "w0", now);
-    REQUIRE(ledger.grant(now));
+    (void)must_grant(ledger, now);
     REQUIRE(ledger.expire(now + 5s).size() == 1);
   }
   CHECK(ledger.finished());
@@ -139,50 +148,50 @@ TEST_CASE("a trial under which workers vanish again and again fails", "[ledger]"
 TEST_CASE("a lease that its worker never lists is lost", "[ledger]") {
   LeaseLedger ledger({.trials = 2, .unclaimed_timeout = 5s});
   beat(ledger, "w0", start, {}, 2);
-  const auto first = ledger.grant(start);
-  const auto second = ledger.grant(start);
-  CHECK(beat(ledger, "w0", start + 5s, {second->id}, 2).lost.empty());
-  CHECK(beat(ledger, "w0", start + 6s, {second->id}, 2).lost == std::vector{first->id});
+  const Lease first = must_grant(ledger);
+  const Lease second = must_grant(ledger);
+  CHECK(beat(ledger, "w0", start + 5s, {second.id}, 2).lost.empty());
+  CHECK(beat(ledger, "w0", start + 6s, {second.id}, 2).lost == std::vector{first.id});
   CHECK(ledger.state(0, 0) == TrialState::lost);
   SECTION("but if it turns up before anyone else has the trial, it counts") {
-    CHECK(beat(ledger, "w0", start + 7s, {first->id, second->id}, 2).adopted == std::vector{first->id});
+    CHECK(beat(ledger, "w0", start + 7s, {first.id, second.id}, 2).adopted == std::vector{first.id});
     CHECK(ledger.state(0, 0) == TrialState::leased);
   }
   SECTION("if another has it, it is cancelled") {
     beat(ledger, "w1", start + 6s);
     // w0 stands in line first; the lost trial is all there is.
-    while (const auto lease = ledger.grant(start + 6s)) {
-      if (lease->worker != "w1") ledger.lease_failed(lease->id, "make it go to w1");
+    for (Lease lease; ledger.grant(start + 6s, lease);) {
+      if (lease.worker != "w1") ledger.lease_failed(lease.id, "make it go to w1");
     }
-    CHECK(beat(ledger, "w0", start + 7s, {first->id, second->id}, 0).cancel == std::vector{first->id});
+    CHECK(beat(ledger, "w0", start + 7s, {first.id, second.id}, 0).cancel == std::vector{first.id});
   }
 }
 
 TEST_CASE("a restarted worker loses its leases at once, except those it still lists", "[ledger]") {
   LeaseLedger ledger({.trials = 2});
   beat(ledger, "w0", start, {}, 2, 100);
-  const auto first = ledger.grant(start);
-  const auto second = ledger.grant(start);
-  const auto result = beat(ledger, "w0", start + 1s, {first->id}, 2, 101);
+  const Lease first = must_grant(ledger);
+  const Lease second = must_grant(ledger);
+  const auto result = beat(ledger, "w0", start + 1s, {first.id}, 2, 101);
   CHECK(result.joined);
-  CHECK(result.lost == std::vector{second->id});
+  CHECK(result.lost == std::vector{second.id});
   CHECK(ledger.state(0, 0) == TrialState::leased);
-  CHECK(ledger.grant(start + 1s)->trial == second->trial);
+  CHECK(must_grant(ledger, start + 1s).trial == second.trial);
 }
 
 TEST_CASE("a new coordinator adopts the leases that are in the air", "[ledger]") {
   LeaseLedger before({.conditions = 2, .trials = 3, .first_grant = 4000});
   beat(before, "w0", start, {}, 2);
-  const auto first = before.grant(start);
-  const auto second = before.grant(start);
+  const Lease first = must_grant(before);
+  const Lease second = must_grant(before);
 
   LeaseLedger after({.conditions = 2, .trials = 3, .first_grant = 9000});
   after.flight_stored(0, 0, 0);  // the first one came in meanwhile
-  const auto result = beat(after, "w0", start, {first->id, second->id}, 2);
-  CHECK(result.adopted == std::vector{second->id});
-  CHECK(result.cancel == std::vector{first->id});
-  CHECK(after.grant(start)->trial == 2);
-  CHECK_FALSE(after.grant(start));
+  const auto result = beat(after, "w0", start, {first.id, second.id}, 2);
+  CHECK(result.adopted == std::vector{second.id});
+  CHECK(result.cancel == std::vector{first.id});
+  CHECK(must_grant(after).trial == 2);
+  CHECK(nothing_to_grant(after));
   CHECK(beat(after, "w1", start, {0xFFFFFFFF00000001U}).cancel.size() == 1);  // no such trial
 }
 
@@ -192,11 +201,11 @@ TEST_CASE("lineages run in order", "[ledger]") {
   std::set<std::pair<std::uint32_t, std::uint32_t>> in_air;
   std::vector<std::uint32_t> next{0, 1, 0, 1};  // by condition * 2 + lineage
   while (!ledger.finished()) {
-    while (const auto lease = ledger.grant(start)) {
-      std::uint32_t& expected = next[lease->condition * 2 + lease->trial % 2];
-      REQUIRE(lease->trial == expected);
+    for (Lease lease; ledger.grant(start, lease);) {
+      std::uint32_t& expected = next[lease.condition * 2 + lease.trial % 2];
+      REQUIRE(lease.trial == expected);
       expected += 2;
-      in_air.emplace(lease->condition, lease->trial);
+      in_air.emplace(lease.condition, lease.trial);
     }
     REQUIRE(in_air.size() <= 4);
     REQUIRE_FALSE(in_air.empty());
@@ -210,20 +219,20 @@ TEST_CASE("lineages run in order", "[ledger]") {
 TEST_CASE("a lineage whose trial failed cannot go on, the others can", "[ledger]") {
   LeaseLedger ledger({.trials = 6, .max_attempts = 1, .lineages = 2});
   beat(ledger, "w0", start, {}, 1);
-  const auto lease = ledger.grant(start);
-  REQUIRE(lease->trial == 0);
-  ledger.lease_failed(lease->id, "broken");
+  const Lease lease = must_grant(ledger);
+  REQUIRE(lease.trial == 0);
+  ledger.lease_failed(lease.id, "broken");
   CHECK(ledger.count(TrialState::failed) == 3);
   CHECK(ledger.failures().at(2).reason == "its predecessor, trial 2, failed");
-  while (const auto other = ledger.grant(start)) {
-    CHECK(other->trial % 2 == 1);
-    ledger.flight_stored(0, other->trial, 0);
+  for (Lease other; ledger.grant(start, other);) {
+    CHECK(other.trial % 2 == 1);
+    ledger.flight_stored(0, other.trial, 0);
   }
   CHECK(ledger.finished());
   SECTION("until a late result of that trial frees the next one") {
     ledger.flight_stored(0, 0, 0);
     CHECK_FALSE(ledger.finished());
-    CHECK(ledger.grant(start)->trial == 2);
+    CHECK(must_grant(ledger).trial == 2);
   }
 }
 
@@ -249,11 +258,11 @@ TEST_CASE("what is stored is not flown again", "[ledger]") {
   CHECK(ledger.flight_stored(0, 2, 0));
   CHECK(ledger.flights_stored() == 3);
   beat(ledger, "w0", start, {}, 5);
-  CHECK(ledger.grant(start)->agents == std::vector{0U, 1U});
-  const auto last = ledger.grant(start);
-  CHECK(last->trial == 2);
-  CHECK(last->agents == std::vector{1U});
-  CHECK_FALSE(ledger.grant(start));
+  CHECK(must_grant(ledger).agents == std::vector{0U, 1U});
+  const Lease last = must_grant(ledger);
+  CHECK(last.trial == 2);
+  CHECK(last.agents == std::vector{1U});
+  CHECK(nothing_to_grant(ledger));
 }
 
 TEST_CASE("impossible options and flights are refused", "[ledger]") {
@@ -266,5 +275,5 @@ TEST_CASE("impossible options and flights are refused", "[ledger]") {
   CHECK_THROWS_AS(ledger.flight_stored(0, 3, 0), std::out_of_range);
   CHECK_THROWS_AS(ledger.flight_stored(0, 0, 1), std::out_of_range);
   CHECK_FALSE(ledger.trial_of(6ULL << 32U));
-  CHECK(*ledger.trial_of(5ULL << 32U) == std::pair{1U, 2U});
+  CHECK(ledger.trial_of(5ULL << 32U) == std::pair{1U, 2U});
 }

@@ -63,7 +63,7 @@ class Reader {
   /// Calls `handle(const T&)` for everything that has arrived.
   template <class Handle>
   void drain(Handle&& handle) {
-    while (take(scratch())) std::forward<Handle>(handle)(std::as_const(scratch()));
+    while (take(scratch())) handle(std::as_const(scratch()));
   }
 
   /// From now on, samples of other experiments are dropped.

@@ -1,0 +1,128 @@
+#include "services/runtime/service.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <spdlog/sinks/rotating_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Error.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <system_error>
+
+#include "common/base/error.hpp"
+
+namespace aloft::runtime {
+namespace {
+
+constexpr std::size_t log_file_bytes = 16U << 20U;
+constexpr std::size_t log_files = 3;
+
+struct CommonOptions {
+  bus::BusOptions bus;
+  std::filesystem::path log_dir;
+  std::string log_level = "info";
+  bool die_with_parent = false;
+};
+
+void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
+  app.add_option("--run", options.bus.run, "Name of the run: only processes with the same one hear each other")
+      ->capture_default_str();
+  app.add_option("--domain", options.bus.domain, "DDS domain, 0 to 101")->capture_default_str();
+  app.add_option("--log-dir", options.log_dir, "Folder for this process's log file; none: no log file");
+  app.add_option("--log-level", options.log_level, "Least level that is logged")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
+      ->capture_default_str();
+  app.add_flag("--die-with-parent", options.die_with_parent, "End when the process that started this one ends");
+  if (info.in_worker)
+    app.add_option("--worker", options.bus.worker, "Name of the worker that this process belongs to")->required();
+}
+
+/// Standard error alone, until the options are known.
+void open_first_log(const std::string& name) {
+  auto logger = std::make_shared<spdlog::logger>(name, std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  logger->set_pattern("%n: %v");
+  spdlog::set_default_logger(std::move(logger));
+}
+
+/// The file takes everything from the chosen level on, standard error only warnings and worse.
+void open_log(const CommonOptions& options, const ServiceInfo& info) {
+  const std::string name = options.bus.worker.empty() ? info.name : info.name + "-" + options.bus.worker;
+  auto console = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  console->set_level(spdlog::level::warn);
+  std::vector<spdlog::sink_ptr> sinks{console};
+  if (!options.log_dir.empty()) {
+    const std::filesystem::path file = options.log_dir / (name + ".log");
+    try {
+      std::filesystem::create_directories(options.log_dir);
+      sinks.push_back(std::make_shared<spdlog::sinks::rotating_file_sink_mt>(file.string(), log_file_bytes, log_files));
+    } catch (const std::exception& error) {
+      throw InputError(
+          fmt::format("cannot write the log {}: {}; choose another --log-dir", file.string(), error.what()));
+    }
+  }
+  auto logger = std::make_shared<spdlog::logger>(name, sinks.begin(), sinks.end());
+  logger->set_level(spdlog::level::from_str(options.log_level));
+  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %n: %v");
+  logger->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(std::move(logger));
+}
+
+void follow_parent() {
+  const pid_t parent = getppid();
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) raise(SIGTERM);  // it died in between
+}
+
+/// Runs `work`, telling people what went wrong. Returns the exit code.
+int guarded(const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    spdlog::error("{}", error.what());
+    return exit_bad_input;
+  } catch (const std::exception& error) {
+    spdlog::critical("{}", error.what());
+    return exit_failure;
+  }
+}
+
+int serve(const CommonOptions& options, const ServiceInfo& info, const std::function<void(Service&)>& run) {
+  bus::StopSignal stop;  // before any other thread
+  if (options.die_with_parent) follow_parent();
+  open_log(options, info);
+  Service service{options.bus, stop};
+  service.bus.process = info.name;
+  spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);
+  run(service);
+  spdlog::info("ends{}", stop.interrupted() ? " because a signal asked" : "");
+  return stop.interrupted() ? exit_interrupted : exit_ok;
+}
+
+}  // namespace
+
+int run_service(int argc, char** argv, const ServiceInfo& info, const std::function<void(CLI::App&)>& add_options,
+                const std::function<void(Service&)>& run) {
+  open_first_log(info.name);
+  CLI::App app(info.description, info.name);
+  CommonOptions options;
+  declare(app, options, info);
+  if (add_options) add_options(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    spdlog::error("{}; see {} --help", error.what(), info.name);
+    return exit_bad_input;
+  }
+  const int code = guarded([&] { return serve(options, info, run); });
+  spdlog::shutdown();
+  return code;
+}
+
+}  // namespace aloft::runtime

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "common/bus/participant.hpp"
+#include "common/bus/stop_signal.hpp"
+
+namespace aloft::runtime {
+
+/// Facts about one executable.
+struct ServiceInfo {
+  std::string name;         ///< e.g. "aloft-channel"
+  std::string description;  ///< one sentence
+  bool in_worker = false;   ///< takes --worker
+};
+
+/// What every service is given. Options that all have in common are parsed already.
+struct Service {
+  bus::BusOptions bus;
+  bus::StopSignal& stop;
+};
+
+/// Makes a service of two functions: `add_options` declares further command-line options (may be empty), `run` does the
+/// work until it is done or `stop` is requested. Parses --run, --domain, --worker, --log-dir, --log-level,
+/// --die-with-parent; sets up the log and the signals; turns errors into messages and exit codes (base/error.hpp).
+int run_service(int argc, char** argv, const ServiceInfo& info, const std::function<void(CLI::App&)>& add_options,
+                const std::function<void(Service&)>& run);
+
+}  // namespace aloft::runtime

@@ -15,7 +15,10 @@ esac
 
 mapfile -t packages < <(grep -v '^#' tools/packages.txt)
 missing=()
+# Some machines have these from elsewhere than Debian: the command is enough.
+declare -A command_of=([nodejs]=node [npm]=npm [chromium]=chromium)
 for package in "${packages[@]}"; do
+  command -v "${command_of[$package]:-none}" >/dev/null && continue
   [ "$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null)" = "install ok installed" ] || missing+=("$package")
 done
 if [ ${#missing[@]} -gt 0 ]; then

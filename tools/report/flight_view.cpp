@@ -1,0 +1,123 @@
+#include "tools/report/flight_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "common/experiment/trial_world.hpp"
+#include "tools/report/statistics_view.hpp"
+#include "tools/report/trials.hpp"
+
+namespace aloft::report {
+namespace {
+
+using nlohmann::json;
+
+/// Heights of the heat map: 5 m apart at most, or as far as the world's own grid.
+constexpr double map_resolution_m = 5.0;
+
+struct Flown {
+  std::string agent;
+  flight::FlightRecord record;
+};
+
+/// All stored flights of this trial in the order of display.
+std::vector<Flown> read_flights(const store::ResultStore& results, std::uint32_t condition, std::uint32_t trial) {
+  std::vector<Flown> flown;
+  for (const experiment::FlightKey& key : results.keys())
+    if (key.condition == condition && key.trial == trial)
+      flown.push_back({key.agent, store::decode_trace(results.trace(key))});
+  std::stable_sort(flown.begin(), flown.end(),
+                   [](const Flown& a, const Flown& b) { return shown_before(a.agent, b.agent); });
+  return flown;
+}
+
+json learning_curves(const flight::FlightRecord& record) {
+  const bool learns = std::any_of(record.steps.begin(), record.steps.end(),
+                                  [](const auto& step) { return step.introspection.has_value(); });
+  if (!learns) return nullptr;
+  json curves{{"epsilon", json::array()},
+              {"loss", json::array()},
+              {"q_down", json::array()},
+              {"q_hold", json::array()},
+              {"q_up", json::array()}};
+  for (const flight::StepRecord& step : record.steps) {
+    const auto value = [&](auto part) { return step.introspection ? rounded(part(*step.introspection)) : json(); };
+    curves["epsilon"].push_back(value([](const agents::Introspection& i) { return i.epsilon; }));
+    curves["loss"].push_back(value([](const agents::Introspection& i) { return i.loss; }));
+    curves["q_down"].push_back(value([](const agents::Introspection& i) { return i.q_values[0]; }));
+    curves["q_hold"].push_back(value([](const agents::Introspection& i) { return i.q_values[1]; }));
+    curves["q_up"].push_back(value([](const agents::Introspection& i) { return i.q_values[2]; }));
+  }
+  return curves;
+}
+
+json agent_track(const Flown& flown, double scale) {
+  json track{{"name", flown.agent},
+             {"height_m", json::array()},
+             {"qos", json::array()},
+             {"serving_cell", json::array()},
+             {"x_m", json::array()},
+             {"y_m", json::array()},
+             {"learning", learning_curves(flown.record)}};
+  for (const flight::StepRecord& step : flown.record.steps) {
+    track["height_m"].push_back(rounded(step.height_m));
+    track["qos"].push_back(rounded(step.qos * scale));
+    track["serving_cell"].push_back(step.serving_cell);
+    track["x_m"].push_back(rounded(step.x_m));
+    track["y_m"].push_back(rounded(step.y_m));
+  }
+  return track;
+}
+
+/// QoS over the places of this flight and all heights.
+json quality_map(radio::SignalMap& map, const flight::FlightRecord& record, double scale) {
+  const radio::HeightGrid& grid = map.heights();
+  const auto stride = std::max(1U, static_cast<std::uint32_t>(std::lround(map_resolution_m / grid.resolution_m)));
+  json heights = json::array();
+  for (std::uint32_t k = 0; k < grid.size(); k += stride) heights.push_back(rounded(grid.height_m(k)));
+  json columns = json::array();
+  for (const flight::StepRecord& step : record.steps) {
+    const std::vector<radio::Reading>& readings = map.column(map.result_point(step.step), {step.x_m, step.y_m});
+    json column = json::array();
+    for (std::uint32_t k = 0; k < grid.size(); k += stride)
+      column.push_back(std::round(readings[k].qos * scale * 100) / 100);
+    columns.push_back(std::move(column));
+  }
+  return {{"height_m", std::move(heights)}, {"qos", std::move(columns)}};
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, std::uint32_t condition,
+                                           std::optional<std::uint32_t> wanted) {
+  std::map<std::uint32_t, std::size_t> agents;
+  for (const experiment::FlightKey& key : results.keys())
+    if (key.condition == condition) ++agents[key.trial];
+  if (wanted) return agents.contains(*wanted) ? wanted : std::nullopt;
+  const auto best =
+      std::max_element(agents.begin(), agents.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return best == agents.end() ? std::nullopt : std::optional(best->first);
+}
+
+nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t condition, std::uint32_t trial) {
+  const experiment::Experiment& experiment = results.experiment();
+  const double scale = qos_scale(experiment.conditions.at(condition).kind);
+  const auto map = experiment::make_signal_map(experiment, experiment.conditions.at(condition), trial);
+  const std::vector<Flown> flights = read_flights(results, condition, trial);
+  const radio::HeightGrid& grid = map->heights();
+  json view{{"trial", trial},
+            {"step", json::array()},
+            {"height_min_m", grid.height_min_m},
+            {"height_max_m", grid.height_max_m},
+            {"height_step_m", grid.height_step_m},
+            {"agents", json::array()},
+            {"map", quality_map(*map, flights.back().record, scale)},
+            {"city", nullptr}};
+  for (const flight::StepRecord& step : flights.back().record.steps) view["step"].push_back(step.step);
+  for (const Flown& flown : flights) view["agents"].push_back(agent_track(flown, scale));
+  return view;
+}
+
+}  // namespace aloft::report

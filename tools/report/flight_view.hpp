@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "common/store/result_store.hpp"
+
+namespace aloft::report {
+
+/// The trial to show of a condition: `wanted`, or else the first one with the most agents; nothing if `wanted` has, or
+/// all trials have, no flight.
+[[nodiscard]] std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, std::uint32_t condition,
+                                                         std::optional<std::uint32_t> wanted);
+
+/// One trial of a condition as all its agents flew it, and the world below them:
+/// {"trial", "step": [1...], "height_min_m", "height_max_m", "height_step_m",
+///  "agents": [{"name", "height_m": [...], "qos": [...], "serving_cell": [...], "x_m": [...], "y_m": [...],
+///              "learning": null | {"epsilon": [...], "loss": [...], "q_down": [...], "q_hold": [...], "q_up":
+///              [...]}}],
+///  "map": {"height_m": [...], "qos": [[one per height] per step]},
+///  "city": null | {"building_width_m", "base_station_height_m", "base_stations": [[x, y]...],
+///                  "buildings": [[x, y, height]...]}}
+[[nodiscard]] nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t condition,
+                                         std::uint32_t trial);
+
+}  // namespace aloft::report

@@ -1,0 +1,74 @@
+// The list of all charts of a report: the page and the SVG export draw from it.
+
+import {boxPlot, gainChart, meanHeightChart, performanceProfile} from './charts_statistics.js';
+import {cityMap, epsilonCurve, heatMap, heightOverSteps, lossCurve, qValueCurves, qosOverSteps} from './charts_flight.js';
+import {chartConfig} from './theme.js';
+import {slug} from './format.js';
+
+const smooth = 'mean of the last 10 steps';
+
+/** One chart per condition, over its trials. */
+export const statisticsCharts = [
+  {id: 'qos', build: boxPlot, fits: (view) => view.agents.length > 0},
+  {id: 'gain', build: gainChart, fits: (view) => view.agents.some((agent) => agent.gain && agent.name !== 'min-height')},
+  {id: 'profile', build: performanceProfile, fits: (view) => view.agents.length > 0 && view.trials > 1},
+];
+
+/** Charts of the chosen flight of a condition. */
+export const flightCharts = [
+  {id: 'height-over-steps', title: () => 'Height over steps', build: heightOverSteps, fits: () => true},
+  {id: 'qos-over-steps', title: (condition) => `${condition.qos_name} over steps (${smooth})`, build: qosOverSteps, fits: () => true},
+  {id: 'heat-map', title: (condition, context) => `${condition.qos_name} at every height, and the heights flown by ${flownBy(condition, context)}`, build: heatMap, fits: () => true},
+  {id: 'city', title: (condition, context) => `The city from above, and the base stations that served ${context.agent}`, build: cityMap, fits: (flight) => flight.city !== null},
+  {id: 'epsilon', title: (condition, context) => `${context.learner}: exploration rate`, build: epsilonCurve, fits: learns},
+  {id: 'loss', title: (condition, context) => `${context.learner}: training loss`, build: lossCurve, fits: learns},
+  {id: 'q-values', title: (condition, context) => `${context.learner}: Q-values of the three actions`, build: qValueCurves, fits: learns},
+];
+
+function flownBy(condition, context) {
+  const shown = condition.flight.agents.map((agent) => agent.name).filter((name) => name === context.agent || ['one-step-ahead', 'planner'].includes(name));
+  return shown.join(', ');
+}
+
+function learns(flight, context) {
+  return flight.agents.some((agent) => agent.name === context.learner && agent.learning);
+}
+
+/** What a report shows unless the reader chooses otherwise. */
+export function defaultContext(data, flight) {
+  const names = flight ? flight.agents.map((agent) => agent.name) : [];
+  const learners = flight ? flight.agents.filter((agent) => agent.learning).map((agent) => agent.name) : [];
+  const learner = learners.includes(data.learner) ? data.learner : learners[0] ?? null;
+  return {learner, agent: learner ?? (names.includes(data.learner) ? data.learner : names[0])};
+}
+
+/** A complete Vega-Lite specification: size, theme, chart. */
+export function complete(spec, context) {
+  return {
+    $schema: 'https://vega.github.io/schema/vega-lite/v6.json',
+    width: context.width,
+    autosize: {type: 'fit-x', contains: 'padding'},
+    config: chartConfig(context.theme),
+    ...spec,
+  };
+}
+
+/** Every chart as {name, spec}: what `--svg` writes. */
+export function allCharts(data, base) {
+  const charts = [];
+  const add = (name, spec, context) => charts.push({name, spec: complete(spec, context)});
+  data.experiments.forEach((experiment, index) => {
+    add(`${slug(experiment.name)}-mean-height`, meanHeightChart(data, index, base), base);
+  });
+  for (const condition of data.conditions) {
+    const prefix = `${slug(data.experiments[condition.experiment].name)}-${slug(condition.name)}`;
+    const view = condition.views[base.view];
+    for (const chart of statisticsCharts)
+      if (view && chart.fits(view)) add(`${prefix}-${chart.id}`, chart.build(data, condition, base), base);
+    if (!condition.flight) continue;
+    const context = {...base, ...defaultContext(data, condition.flight)};
+    for (const chart of flightCharts)
+      if (chart.fits(condition.flight, context)) add(`${prefix}-${chart.id}`, chart.build(data, condition, context), context);
+  }
+  return charts;
+}

@@ -1,0 +1,148 @@
+// Charts over all trials of a condition. Each function returns a Vega-Lite specification without size and theme.
+
+import {agentScales, surfaces} from './theme.js';
+import {signedInterval, interval} from './format.js';
+
+export function qosTitle(condition) {
+  return `${condition.qos_name} (${condition.qos_unit})`;
+}
+
+/** Legend under the chart; a click shows one agent alone, shift-click adds another. */
+export function agentLegend(context) {
+  return {orient: 'bottom', title: null, columns: Math.max(2, Math.floor(context.width / 150)), symbolType: 'stroke', symbolStrokeWidth: 2.5, symbolSize: 260};
+}
+
+/** Colour and dash of an agent's line, dimmed unless picked in the legend. */
+export function agentLineEncoding(data, context, names) {
+  const scales = agentScales(data, context.theme, names);
+  return {
+    color: {field: 'agent', type: 'nominal', scale: scales.colour, legend: agentLegend(context)},
+    strokeDash: {field: 'agent', type: 'nominal', scale: scales.dash, legend: agentLegend(context)},
+    opacity: {condition: {param: 'picked', value: 1}, value: 0.08},
+  };
+}
+
+export const pickInLegend = {name: 'picked', select: {type: 'point', fields: ['agent']}, bind: 'legend'};
+
+function agentAxis(data, names) {
+  const sort = data.agents.map((agent) => agent.name).filter((name) => names.includes(name));
+  return {field: 'agent', type: 'nominal', sort, scale: {domain: sort}, axis: {title: null, ticks: false, domain: false, grid: false}};
+}
+
+/** The largest value any box plot of this unit reaches, so that the conditions of one report can be compared by eye. */
+function sharedMaximum(data, condition, view) {
+  let maximum = 0;
+  for (const other of data.conditions) {
+    if (other.qos_unit !== condition.qos_unit) continue;
+    for (const agent of other.views[view]?.agents ?? [])
+      maximum = Math.max(maximum, agent.whiskers[1], ...agent.outliers);
+  }
+  return maximum;
+}
+
+/** Per-trial mean QoS: box (quartiles, median), whiskers to the last value within 1.5 box lengths, outliers, mean. */
+export function boxPlot(data, condition, context) {
+  const agents = condition.views[context.view].agents;
+  const names = agents.map((agent) => agent.name);
+  const surface = surfaces[context.theme];
+  const rows = agents.map((agent) => ({
+    agent: agent.name, low: agent.whiskers[0], q25: agent.q25, median: agent.median, q75: agent.q75, high: agent.whiskers[1],
+    mean: agent.mean, ci: interval(agent.ci95), trials: agent.trials,
+  }));
+  const outliers = agents.flatMap((agent) => agent.outliers.map((qos) => ({agent: agent.name, qos})));
+  const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
+  const y = agentAxis(data, names);
+  const scale = {domain: [0, sharedMaximum(data, condition, context.view)], nice: true};
+  const x = (field) => ({field, type: 'quantitative', scale, axis: {title: qosTitle(condition), tickCount: 6}});
+  const tooltip = [
+    {field: 'agent', title: 'Agent'}, {field: 'trials', title: 'Trials'},
+    {field: 'mean', title: 'Mean', format: '.2f'}, {field: 'ci', title: '95 % interval of the mean'},
+    {field: 'median', title: 'Median', format: '.2f'},
+    {field: 'q25', title: 'Lower quartile', format: '.2f'}, {field: 'q75', title: 'Upper quartile', format: '.2f'},
+  ];
+  return {
+    height: 26 * rows.length,
+    data: {values: rows},
+    layer: [
+      {mark: {type: 'rule', strokeWidth: 1.4}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+      {mark: {type: 'bar', height: 15, fillOpacity: 0.55, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, color: colour, stroke: colour, tooltip}},
+      {mark: {type: 'tick', thickness: 2.4, size: 15, color: surface.ink}, encoding: {y, x: x('median'), tooltip}},
+      {mark: {type: 'point', shape: 'diamond', size: 42, filled: true, color: surface.background, stroke: surface.ink, strokeWidth: 1.2, opacity: 1}, encoding: {y, x: x('mean'), tooltip}},
+      {data: {values: outliers}, mark: {type: 'point', size: 14, filled: true, opacity: 0.6}, encoding: {y, x: x('qos'), color: colour}},
+    ],
+  };
+}
+
+/** Paired gain over minimum height on the same worlds, with its 95 % interval. */
+export function gainChart(data, condition, context) {
+  const agents = condition.views[context.view].agents.filter((agent) => agent.gain && agent.name !== 'min-height');
+  const names = agents.map((agent) => agent.name);
+  const rows = agents.map((agent) => ({
+    agent: agent.name, gain: agent.gain.mean, low: agent.gain.ci95[0], high: agent.gain.ci95[1], text: signedInterval(agent.gain.ci95),
+    better: agent.gain.probability_of_improvement, pairs: agent.gain.pairs,
+  }));
+  const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
+  const x = (field) => ({field, type: 'quantitative', axis: {title: `Gain over min-height (${condition.qos_unit})`, tickCount: 6}});
+  const y = agentAxis(data, names);
+  const tooltip = [
+    {field: 'agent', title: 'Agent'}, {field: 'pairs', title: 'Pairs of flights'}, {field: 'gain', title: 'Mean gain', format: '+.2f'},
+    {field: 'text', title: '95 % interval'}, {field: 'better', title: 'Probability of improvement', format: '.0%'},
+  ];
+  return {
+    height: 24 * rows.length,
+    data: {values: rows},
+    layer: [
+      {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surfaces[context.theme].soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
+      {mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+      {mark: {type: 'point', filled: true, size: 70, opacity: 1}, encoding: {y, x: x('gain'), color: colour, tooltip}},
+    ],
+  };
+}
+
+/** Share of trials whose mean QoS exceeds a threshold. */
+export function performanceProfile(data, condition, context) {
+  const view = condition.views[context.view];
+  const values = view.agents.flatMap((agent) =>
+    agent.profile.map((share, i) => ({agent: agent.name, qos: view.profile_thresholds[i], share})));
+  return {
+    height: 220,
+    data: {values},
+    params: [pickInLegend],
+    mark: {type: 'line', strokeWidth: 2},
+    encoding: {
+      x: {field: 'qos', type: 'quantitative', scale: {zero: false, nice: false}, axis: {title: `Threshold of the mean (${condition.qos_unit})`, tickCount: 6}},
+      y: {field: 'share', type: 'quantitative', scale: {domain: [0, 1]}, axis: {title: 'Trials above the threshold', format: '.0%', tickCount: 5}},
+      ...agentLineEncoding(data, context, view.agents.map((agent) => agent.name)),
+      tooltip: [{field: 'agent', title: 'Agent'}, {field: 'qos', title: 'Threshold', format: '.2f'}, {field: 'share', title: 'Trials above', format: '.0%'}],
+    },
+  };
+}
+
+/** Mean flying height per condition of one experiment, with 95 % intervals. */
+export function meanHeightChart(data, experiment, context) {
+  const conditions = data.conditions.filter((condition) => condition.experiment === experiment && condition.views[context.view]);
+  const values = conditions.flatMap((condition) => condition.views[context.view].agents.map((agent) => ({
+    agent: agent.name, condition: condition.label, height: agent.height_mean_m, low: agent.height_ci95_m[0], high: agent.height_ci95_m[1],
+    text: interval(agent.height_ci95_m, 1),
+  })));
+  const names = [...new Set(values.map((row) => row.agent))];
+  const x = {
+    field: 'condition', type: 'nominal', sort: conditions.map((condition) => condition.label),
+    scale: {type: 'point', padding: 0.5}, axis: {title: null, labelAngle: 0, labelLimit: 120, labelExpr: "split(datum.label, ', ')"},
+  };
+  const encoding = agentLineEncoding(data, context, names);
+  const y = (field) => ({field, type: 'quantitative', scale: {zero: false, nice: true}, axis: {title: 'Mean height (m)'}});
+  const tooltip = [
+    {field: 'agent', title: 'Agent'}, {field: 'condition', title: 'Condition'},
+    {field: 'height', title: 'Mean height (m)', format: '.1f'}, {field: 'text', title: '95 % interval (m)'},
+  ];
+  return {
+    height: 300,
+    data: {values},
+    layer: [
+      {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {x, y: y('height'), ...encoding}},
+      {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}},
+      {mark: {type: 'point', filled: true, size: 55}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}},
+    ],
+  };
+}

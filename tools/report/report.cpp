@@ -1,0 +1,77 @@
+#include "tools/report/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "tools/report/embedded.hpp"
+#include "tools/report/node.hpp"
+
+namespace aloft::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view data_mark = "%DATA%";
+
+/// `dir` itself if it is a result folder, else the result folders in it, by name.
+std::vector<fs::path> result_folders(const fs::path& dir) {
+  if (!fs::is_directory(dir))
+    throw InputError(
+        fmt::format("{}: there is no such folder; give the result folder of an 'aloft run'", dir.string()));
+  const auto has_results = [](const fs::path& folder) { return fs::exists(folder / "results.sqlite"); };
+  if (has_results(dir)) return {dir};
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(dir))
+    if (entry.is_directory() && has_results(entry.path())) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  if (folders.empty())
+    throw InputError(
+        fmt::format("{}: neither this folder nor one inside it holds a results.sqlite; 'aloft run EXPERIMENT.json "
+                    "--out {}' makes one",
+                    dir.string(), dir.string()));
+  return folders;
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  const fs::path temporary = file.string() + ".part";
+  std::ofstream out(temporary, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code error;
+  if (out) fs::rename(temporary, file, error);
+  if (!out || error) {
+    fs::remove(temporary, error);
+    throw InputError(fmt::format(
+        "{}: cannot be written; check that the folder exists, is writable and has room, or use --out", file.string()));
+  }
+}
+
+}  // namespace
+
+std::string render_page(const nlohmann::json& data) {
+  // "<" inside a script element could end it; the escaped form is the same JSON.
+  std::string text;
+  for (const char c : data.dump()) c == '<' ? text += "\\u003c" : text += c;
+  const std::string_view page = embedded_page();
+  const std::size_t mark = page.find(data_mark);
+  return std::string(page.substr(0, mark)) + text + std::string(page.substr(mark + data_mark.size()));
+}
+
+WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions& options) {
+  const std::vector<fs::path> folders = result_folders(dir);
+  if (!options.svg.empty()) require_node("--svg");
+  std::vector<store::ResultStore> runs;
+  for (const fs::path& folder : folders) runs.push_back(store::ResultStore::open_for_reading(folder));
+  const nlohmann::json data = report_data(runs, options.choice);
+  WrittenReport written{options.page.empty() ? dir / "report.html" : options.page, data["missing"].size(), 0};
+  write_file(written.page, render_page(data));
+  if (!options.svg.empty()) written.charts = render_svgs(written.page, options.svg);
+  return written;
+}
+
+}  // namespace aloft::report

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "tools/report/report_data.hpp"
+
+namespace aloft::report {
+
+struct ReportOptions {
+  std::filesystem::path page;  ///< where the HTML file goes; empty: report.html in the result folder
+  std::filesystem::path svg;   ///< folder for one SVG file per chart; empty: none
+  Choice choice;
+};
+
+struct WrittenReport {
+  std::filesystem::path page;
+  std::size_t missing_conditions = 0;  ///< conditions that are not finished
+  std::size_t charts = 0;              ///< SVG files written
+};
+
+/// Writes the report on a result folder of `aloft run`, or on all result folders inside `dir` (`aloft reproduce`).
+/// InputError if there are no results, the choice is not there, a file cannot be written, or SVG is asked for without
+/// Node; nothing is written then.
+WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions& options = {});
+
+/// The finished page: `data` as report_data() gives it, inside the embedded template.
+[[nodiscard]] std::string render_page(const nlohmann::json& data);
+
+}  // namespace aloft::report

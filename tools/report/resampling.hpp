@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "common/experiment/statistics.hpp"
+
+namespace aloft::report {
+
+/// 95 % percentile bootstrap interval of any statistic of paired observations: it is given 10,000 lists of `size`
+/// indices drawn with replacement. Seeded: the same call gives the same interval. NaN if `size` is 0.
+[[nodiscard]] experiment::Interval resampled_ci95(
+    std::size_t size, std::uint64_t seed, const std::function<double(std::span<const std::uint32_t>)>& statistic);
+
+/// The same for a statistic of one sample that looks at its order (median, interquartile mean): it is given the
+/// resampled values in ascending order.
+[[nodiscard]] experiment::Interval resampled_ci95(std::span<const double> sample, std::uint64_t seed,
+                                                  const std::function<double(std::span<const double>)>& statistic);
+
+/// Median of values in ascending order.
+[[nodiscard]] double median_of_sorted(std::span<const double> sorted);
+
+}  // namespace aloft::report

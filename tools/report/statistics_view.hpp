@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/report/trials.hpp"
+
+namespace aloft::report {
+
+/// Everything the page shows over the trials of one condition; null if no flight is stored:
+/// {"trials", "profile_thresholds": [q...], "agents": [{"name", "trials", "mean", "ci95": [lo, hi], "median", "q25",
+/// "q75", "whiskers": [lo, hi], "outliers": [...], "iqm", "iqm_ci95", "height_mean_m", "height_ci95_m",
+/// "height_changes_mean", "profile": [share of trials above each threshold...],
+/// "gain": null | {"pairs", "mean", "ci95", "probability_of_improvement"}}]}, gain over min-height on the same worlds.
+[[nodiscard]] nlohmann::json statistics_view(const ConditionTrials& condition);
+
+/// The value with four decimals at most: the page shows no more, and the file stays small. Null if it is not finite.
+[[nodiscard]] nlohmann::json rounded(double value);
+
+}  // namespace aloft::report

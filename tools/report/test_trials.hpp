@@ -1,0 +1,35 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/report/trials.hpp"
+
+namespace aloft::report::testing {
+
+/// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes.
+inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
+  AgentTrials result{std::move(name), std::move(type), {}, std::move(qos), {}, {}};
+  for (std::size_t i = 0; i < result.qos.size(); ++i) result.trials.push_back(static_cast<std::uint32_t>(i));
+  result.height_m.assign(result.qos.size(), 40.0);
+  result.height_changes.assign(result.qos.size(), 0.0);
+  return result;
+}
+
+/// A generated world.
+inline ConditionTrials condition(double bs_density_per_km2, double building_density_per_km2,
+                                 std::vector<AgentTrials> agents) {
+  ConditionTrials result;
+  result.experiment = "test";
+  result.name = result.label = "a condition";
+  result.bs_density_per_km2 = bs_density_per_km2;
+  result.building_density_per_km2 = building_density_per_km2;
+  result.agents = std::move(agents);
+  for (const AgentTrials& a : result.agents)
+    result.trials_expected = std::max(result.trials_expected, static_cast<std::uint32_t>(a.trials.size()));
+  return result;
+}
+
+}  // namespace aloft::report::testing

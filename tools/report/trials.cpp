@@ -1,0 +1,166 @@
+#include "tools/report/trials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+
+namespace aloft::report {
+namespace {
+
+using experiment::WorldKind;
+
+constexpr std::array<std::string_view, 10> display_order{
+    "min-height",     "constant-60",    "constant-120", "constant-240", "random-walk",
+    "one-step-ahead", "optimal-height", "planner",      "local-bandit", "dqn"};
+// Agents that are not in the list stand before the learner of the paper, which closes every list.
+std::size_t rank(std::string_view name) {
+  const auto* const found = std::find(display_order.begin(), display_order.end(), name);
+  if (found != display_order.end()) {
+    const auto index = static_cast<std::size_t>(found - display_order.begin());
+    return name == "dqn" ? index + 1 : index;
+  }
+  if (name.starts_with("constant-")) return 3;
+  return display_order.size() - 1;
+}
+
+std::string readable(const std::string& key, const nlohmann::json& value) {
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  if (key == "bs_density_per_km2") return text + " BS per km²";
+  if (key == "building_density_per_km2") return text + " buildings per km²";
+  return key + " " + text;
+}
+
+std::string label_of(const experiment::Condition& condition) {
+  if (!condition.parameters.is_object() || condition.parameters.empty()) return condition.name;
+  std::string label;
+  for (const auto& [key, value] : condition.parameters.items())
+    label += (label.empty() ? "" : ", ") + readable(key.substr(key.rfind('.') + 1), value);
+  return label;
+}
+
+double take_number(nlohmann::json& parameters, const char* key) {
+  const double value =
+      parameters.contains(key) ? parameters[key].get<double>() : std::numeric_limits<double>::quiet_NaN();
+  parameters.erase(key);
+  return value;
+}
+
+ConditionTrials describe(const experiment::Experiment& experiment, const experiment::Condition& condition) {
+  ConditionTrials trials;
+  trials.experiment = experiment.name;
+  trials.seed = experiment.seed;
+  trials.name = condition.name;
+  trials.label = label_of(condition);
+  trials.kind = condition.kind;
+  trials.trials_expected = experiment.trials;
+  nlohmann::json parameters = condition.world.to_json();
+  trials.bs_density_per_km2 = take_number(parameters, "bs_density_per_km2");
+  trials.building_density_per_km2 = take_number(parameters, "building_density_per_km2");
+  trials.other_parameters = parameters.dump();
+  for (const agents::AgentSpec& spec : experiment.agents)
+    trials.agents.push_back({spec.name, spec.type, {}, {}, {}, {}});
+  std::stable_sort(trials.agents.begin(), trials.agents.end(),
+                   [](const AgentTrials& a, const AgentTrials& b) { return shown_before(a.name, b.name); });
+  return trials;
+}
+
+/// The entries of `from` at these indices.
+AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& indices) {
+  AgentTrials some{from.name, from.type, {}, {}, {}, {}};
+  for (const std::size_t i : indices) {
+    some.trials.push_back(from.trials[i]);
+    some.qos.push_back(from.qos[i]);
+    some.height_m.push_back(from.height_m[i]);
+    some.height_changes.push_back(from.height_changes[i]);
+  }
+  return some;
+}
+
+}  // namespace
+
+const AgentTrials* ConditionTrials::agent(std::string_view agent_name) const {
+  const auto found =
+      std::find_if(agents.begin(), agents.end(), [&](const AgentTrials& a) { return a.name == agent_name; });
+  return found == agents.end() || found->trials.empty() ? nullptr : &*found;
+}
+
+const char* ConditionTrials::qos_name() const {
+  return kind == WorldKind::measured ? "Throughput" : "Spectral efficiency";
+}
+
+const char* ConditionTrials::qos_unit() const {
+  return kind == WorldKind::measured ? "Mbit/s" : "bit/s/Hz";
+}
+
+double qos_scale(WorldKind kind) {
+  return kind == WorldKind::measured ? 1e-3 : 1.0;
+}
+
+bool shown_before(std::string_view a, std::string_view b) {
+  return rank(a) < rank(b);
+}
+
+std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
+  const experiment::Experiment& experiment = results.experiment();
+  std::vector<ConditionTrials> conditions;
+  for (const experiment::Condition& condition : experiment.conditions)
+    conditions.push_back(describe(experiment, condition));
+  std::vector<std::map<std::string, AgentTrials*, std::less<>>> by_name(conditions.size());
+  for (std::size_t i = 0; i < conditions.size(); ++i)
+    for (AgentTrials& agent : conditions[i].agents) by_name[i][agent.name] = &agent;
+  for (const store::FlightSummary& flight : results.flights()) {  // ascending trials per condition
+    AgentTrials& agent = *by_name.at(flight.key.condition).at(flight.key.agent);
+    agent.trials.push_back(flight.key.trial);
+    agent.qos.push_back(flight.qos_mean * qos_scale(conditions[flight.key.condition].kind));
+    agent.height_m.push_back(flight.height_mean_m);
+    agent.height_changes.push_back(flight.height_changes);
+  }
+  return conditions;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> pairs(const AgentTrials& a, const AgentTrials& b) {
+  std::vector<std::pair<std::size_t, std::size_t>> result;
+  for (std::size_t i = 0, k = 0; i < a.trials.size() && k < b.trials.size();) {
+    if (a.trials[i] == b.trials[k]) {
+      result.emplace_back(i++, k++);
+    } else if (a.trials[i] < b.trials[k]) {
+      ++i;
+    } else {
+      ++k;
+    }
+  }
+  return result;
+}
+
+std::optional<ConditionTrials> selected(const ConditionTrials& all, std::string_view learner, std::string_view rival) {
+  const AgentTrials* winner = all.agent(learner);
+  const AgentTrials* loser = all.agent(rival);
+  if (winner == nullptr || loser == nullptr) return std::nullopt;
+  std::vector<std::uint32_t> kept;
+  for (const auto& [i, k] : pairs(*winner, *loser))
+    if (winner->qos[i] > loser->qos[k]) kept.push_back(winner->trials[i]);
+  ConditionTrials result = all;
+  for (AgentTrials& agent : result.agents) {
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < agent.trials.size(); ++i)
+      if (std::binary_search(kept.begin(), kept.end(), agent.trials[i])) indices.push_back(i);
+    agent = at_indices(agent, indices);
+  }
+  return result;
+}
+
+std::string published_learner(std::span<const ConditionTrials> conditions) {
+  std::string learner;
+  for (const ConditionTrials& condition : conditions)
+    for (const AgentTrials& agent : condition.agents) {
+      if (agent.trials.empty() || agent.type != "dqn") continue;
+      if (agent.name == "dqn") return agent.name;
+      if (learner.empty()) learner = agent.name;
+    }
+  return learner;
+}
+
+}  // namespace aloft::report

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/experiment/experiment.hpp"
+#include "common/store/result_store.hpp"
+
+namespace aloft::report {
+
+/// What one agent reached in the trials of one condition; index i of each list belongs to trials[i], ascending.
+struct AgentTrials {
+  std::string name;
+  std::string type;
+  std::vector<std::uint32_t> trials;
+  std::vector<double> qos;       ///< mean of the flight, in the condition's unit
+  std::vector<double> height_m;  ///< mean of the flight
+  std::vector<double> height_changes;
+};
+
+/// What the report knows about one condition.
+struct ConditionTrials {
+  std::string experiment;  ///< name
+  std::uint64_t seed = 0;
+  std::string name;
+  std::string label;  ///< as people say it: "2.5 BS per km²"
+  experiment::WorldKind kind = experiment::WorldKind::generated;
+  double bs_density_per_km2 = 0.0;        ///< generated worlds; NaN if the world has none
+  double building_density_per_km2 = 0.0;  ///< likewise
+  std::string other_parameters;           ///< all but the two densities: equal texts, comparable worlds
+  std::uint32_t trials_expected = 0;
+  std::vector<AgentTrials> agents;  ///< in the order of display
+
+  [[nodiscard]] const AgentTrials* agent(std::string_view agent_name) const;
+  [[nodiscard]] const char* qos_name() const;
+  [[nodiscard]] const char* qos_unit() const;  ///< bit/s/Hz or Mbit/s
+};
+
+/// Measured throughput is stored in kbit/s and shown in Mbit/s.
+[[nodiscard]] double qos_scale(experiment::WorldKind kind);
+
+/// The conditions of one store with their flights, in the order of the sweep.
+[[nodiscard]] std::vector<ConditionTrials> read_trials(const store::ResultStore& results);
+
+/// The place of an agent in every table and chart: the paper's baselines, the references, then learners.
+[[nodiscard]] bool shown_before(std::string_view a, std::string_view b);
+
+/// Values of two agents on the same worlds: pairs of indices into their lists, by trial.
+[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> pairs(const AgentTrials& a, const AgentTrials& b);
+
+/// Only the trials in which `learner` beat `rival`; nothing if one of them has not flown.
+[[nodiscard]] std::optional<ConditionTrials> selected(const ConditionTrials& all, std::string_view learner,
+                                                      std::string_view rival);
+
+/// The agent that the published claims are about: "dqn", or else the first one of type dqn; empty if there is none.
+[[nodiscard]] std::string published_learner(std::span<const ConditionTrials> conditions);
+
+}  // namespace aloft::report

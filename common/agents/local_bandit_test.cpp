@@ -1,0 +1,45 @@
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/agents/conformance.hpp"
+#include "common/agents/registry.hpp"
+
+using namespace aloft::agents;
+
+TEST_CASE("local-bandit conforms") {
+  check_conformance("local-bandit");
+}
+
+TEST_CASE("local-bandit weighs known, stale and unknown heights") {
+  struct Moment {
+    double height_m;
+    double reward_mbps;
+    Action answer;
+  };
+  // alpha 0.2, optimism 2, bias 0.3, staleness 0.6. Worth of (down, here, up), worked by hand:
+  const Moment moments[] = {
+      {40, 0, Action::hold},   // nothing known: (-, 2, 2 exp(-0.3) = 1.48)
+      {40, 10, Action::up},    // q0 = 10: (-, 10, 10 + 1.48)
+      {50, 8, Action::down},   // q1 = 8: (10 + 0.6, 8, 8 + 2 exp(-0.6) = 9.10)
+      {40, 5, Action::hold},   // q0 = 10 + 0.2 (5 - 10) = 9: (-, 9, 8 + 0.6)
+      {40, 9, Action::hold},   // (-, 9, 8 + 0.6 sqrt 2 = 8.85)
+      {40, 9, Action::up},     // (-, 9, 8 + 0.6 sqrt 3 = 9.04)
+      {60, 20, Action::hold},  // someone else climbed on: q2 = 20, (8 + 0.6 sqrt 4, 20, -)
+      {60, 0, Action::hold},   // q2 = 16
+  };
+  struct Unit {
+    QosKind kind;
+    double per_mbps;
+  };
+  for (const Unit unit : {Unit{QosKind::throughput, 1000.0}, Unit{QosKind::spectral_efficiency, 0.25}}) {
+    const auto agent = parse_agents({{"type", "local-bandit"}, {"mbps_per_bit_s_hz", 4}}, "agents[0]").front().make();
+    agent->begin({.qos = unit.kind, .height_min_m = 40, .height_max_m = 60, .height_step_m = 10, .steps = 9});
+    std::uint32_t step = 0;
+    for (const Moment& moment : moments) {
+      INFO("step " << step);
+      agent->observe({.step = step, .height_m = moment.height_m, .reward = moment.reward_mbps * unit.per_mbps});
+      CHECK(agent->act().action == moment.answer);
+      ++step;
+    }
+  }
+}

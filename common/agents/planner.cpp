@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "common/agents/registry.hpp"
+#include "common/agents/steering.hpp"
+
+namespace aloft::agents {
+namespace {
+
+/// Knows the whole route and flies the best feasible flight: the largest sum of quality with at most one level per
+/// step, by dynamic programming from the last step back to the first. Of equally good actions it takes hold, then down.
+class Planner final : public SteeringAgent {
+ public:
+  explicit Planner(const Parameters& parameters) : SteeringAgent("planner", parameters) {}
+
+  void begin(const FlightInfo& flight) override {
+    SteeringAgent::begin(flight);
+    levels_ = level_count(flight);
+    quality_.clear();
+    actions_.clear();
+  }
+
+  void foresee(const HeightProfile& profile) override {
+    if (profile.step != quality_.size() / levels_ + 1)
+      throw std::logic_error("the planner must be shown all steps in order");
+    const auto stride = static_cast<std::size_t>(std::floor(flight().height_step_m / profile.resolution_m + 0.5));
+    for (std::size_t level = 0; level < levels_; ++level) quality_.push_back(profile.qos.at(level * stride));
+    if (profile.step == flight().steps) plan();
+  }
+
+  Command act() override {
+    const std::size_t at = std::size_t{step()} * levels_ + level();
+    if (at >= actions_.size()) throw std::logic_error("the planner was not shown the whole route");
+    return {static_cast<Action>(actions_[at])};
+  }
+
+ private:
+  /// Fills actions_ backwards: value[k] is the best sum of the steps still to come from level k.
+  void plan() {
+    actions_.resize(quality_.size());
+    std::vector<double> value(levels_, 0.0);
+    std::vector<double> arrival(levels_);
+    for (std::size_t step = flight().steps; step-- > 0;) {
+      for (std::size_t k = 0; k < levels_; ++k) arrival[k] = quality_[step * levels_ + k] + value[k];
+      for (std::size_t k = 0; k < levels_; ++k) {
+        Action best = Action::hold;
+        value[k] = arrival[k];
+        const auto consider = [&](Action action, std::size_t to) {
+          if (arrival[to] <= value[k]) return;
+          best = action;
+          value[k] = arrival[to];
+        };
+        if (k > 0) consider(Action::down, k - 1);
+        if (k + 1 < levels_) consider(Action::up, k + 1);
+        actions_[step * levels_ + k] = static_cast<std::int64_t>(best);
+      }
+    }
+  }
+
+  void save(StateWriter& writer) const override { writer.put("plan", actions_); }
+
+  void restore(const StateReader& reader) override {
+    levels_ = level_count(flight());
+    const auto actions = reader.integers("plan");
+    const std::size_t size = std::size_t{flight().steps} * levels_;
+    if (!actions.empty() && actions.size() != size) reader.refuse("its plan does not fit its flight");
+    if (std::any_of(actions.begin(), actions.end(), [](std::int64_t action) {
+          return action < static_cast<std::int64_t>(Action::down) || action > static_cast<std::int64_t>(Action::up);
+        }))
+      reader.refuse("its plan has an unknown action");
+    actions_.assign(actions.begin(), actions.end());
+  }
+
+  std::size_t levels_ = 1;
+  std::vector<double> quality_;        // [(step - 1) * levels_ + level]
+  std::vector<std::int64_t> actions_;  // [steps flown * levels_ + level]
+};
+
+const bool registered =
+    register_agent({.name = "planner",
+                    .description = "Knows the whole route and flies the best flight that is feasible: the upper bound.",
+                    .privilege = Privilege::whole_route,
+                    .make = [](const Parameters& parameters) { return std::make_unique<Planner>(parameters); }});
+
+}  // namespace
+}  // namespace aloft::agents

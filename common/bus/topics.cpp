@@ -17,6 +17,7 @@ template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept  
 template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       Scope::run,        true,  1,    1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   Scope::run,        false, 512,  1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   Scope::run,        false, 4096, 1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", Scope::run,        true,  1,    1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           Scope::worker,     false, 64,   1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   Scope::worker,     false, 8,    max_streams, false}; return row; }
 template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   Scope::worker,     false, 8,    max_streams, true};  return row; }

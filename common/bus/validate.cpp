@@ -124,6 +124,10 @@ const char* validate(const wire::EpisodeStored& sample) noexcept {
   return wire::view(sample.digest()).size() == 64 ? nullptr : "digest is no SHA-256";
 }
 
+const char* validate(const wire::CollectorStatus& sample) noexcept {
+  return up_to(sample.state(), wire::COLLECTOR_FAILED) ? nullptr : "unknown state";
+}
+
 const char* validate(const wire::World& sample) noexcept {
   if (sample.agents().size() > max_agents) return "agents too long";
   switch (sample.kind()) {

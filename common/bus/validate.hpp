@@ -12,6 +12,7 @@ namespace aloft::bus {
 [[nodiscard]] const char* validate(const wire::RunStatus& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::EpisodeRecord& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::EpisodeStored& sample) noexcept;
+[[nodiscard]] const char* validate(const wire::CollectorStatus& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::World& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::ChannelReport& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::HeightCommand& sample) noexcept;

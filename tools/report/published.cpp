@@ -75,9 +75,9 @@ const nlohmann::json& published() {
 bool belongs_to(const nlohmann::json& published_value, const ConditionTrials& condition) {
   if (published_value.contains("measured_flight")) {
     const std::string flight = lower(published_value["measured_flight"].get<std::string>());
+    const auto names_it = [&](const std::string& name) { return lower(name).find(flight) != std::string::npos; };
     return condition.kind == experiment::WorldKind::measured &&
-           (lower(condition.name).find(flight) != std::string::npos ||
-            lower(condition.experiment).find(flight) != std::string::npos);
+           (names_it(condition.name) || names_it(condition.experiment) || names_it(condition.measured_file));
   }
   return condition.kind == experiment::WorldKind::generated &&
          published_value.at("bs_density_per_km2").get<double>() == condition.bs_density_per_km2 &&

@@ -16,8 +16,8 @@ namespace aloft::report {
 [[nodiscard]] nlohmann::json beside_published(const nlohmann::json& published_value, const ConditionTrials& condition);
 
 /// True if the published value belongs to this condition: both densities are equal (generated), or the flight's name
-/// stands in the condition's or the experiment's name (measured). Presets that change the radio do not matter here: the
-/// report says which condition it is.
+/// stands in the name of the condition, experiment or file (measured). Presets that change the radio do not matter
+/// here: the report says which condition it is.
 [[nodiscard]] bool belongs_to(const nlohmann::json& published_value, const ConditionTrials& condition);
 
 }  // namespace aloft::report

@@ -19,6 +19,8 @@ TEST_CASE("A published value belongs to the condition with its densities or its 
   CHECK_FALSE(belongs_to(generated, measured));
   CHECK(belongs_to(json{{"measured_flight", "GCQ"}}, measured));
   CHECK_FALSE(belongs_to(json{{"measured_flight", "NWQ"}}, measured));
+  measured.measured_file = "nwq";
+  CHECK(belongs_to(json{{"measured_flight", "NWQ"}}, measured));
 }
 
 TEST_CASE("Our mean, median and ratio of medians stand beside the published ones", "[report]") {

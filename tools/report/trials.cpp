@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <limits>
 #include <map>
 
@@ -33,8 +34,9 @@ std::string readable(const std::string& key, const nlohmann::json& value) {
   return key + " " + text;
 }
 
-std::string label_of(const experiment::Condition& condition) {
-  if (!condition.parameters.is_object() || condition.parameters.empty()) return condition.name;
+std::string label_of(const experiment::Condition& condition, const std::string& measured_file) {
+  if (!condition.parameters.is_object() || condition.parameters.empty())
+    return condition.name == "measured" && !measured_file.empty() ? "measured flight " + measured_file : condition.name;
   std::string label;
   for (const auto& [key, value] : condition.parameters.items())
     label += (label.empty() ? "" : ", ") + readable(key.substr(key.rfind('.') + 1), value);
@@ -53,13 +55,15 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
   trials.experiment = experiment.name;
   trials.seed = experiment.seed;
   trials.name = condition.name;
-  trials.label = label_of(condition);
   trials.kind = condition.kind;
   trials.trials_expected = experiment.trials;
   nlohmann::json parameters = condition.world.to_json();
   trials.bs_density_per_km2 = take_number(parameters, "bs_density_per_km2");
   trials.building_density_per_km2 = take_number(parameters, "building_density_per_km2");
   trials.other_parameters = parameters.dump();
+  if (condition.kind == WorldKind::measured)
+    trials.measured_file = std::filesystem::path(parameters.value("file", "")).stem().string();
+  trials.label = label_of(condition, trials.measured_file);
   for (const agents::AgentSpec& spec : experiment.agents)
     trials.agents.push_back({spec.name, spec.type, {}, {}, {}, {}});
   std::stable_sort(trials.agents.begin(), trials.agents.end(),

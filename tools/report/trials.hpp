@@ -33,6 +33,7 @@ struct ConditionTrials {
   double bs_density_per_km2 = 0.0;        ///< generated worlds; NaN if the world has none
   double building_density_per_km2 = 0.0;  ///< likewise
   std::string other_parameters;           ///< all but the two densities: equal texts, comparable worlds
+  std::string measured_file;              ///< name of the file of a measured flight, without folder and ending
   std::uint32_t trials_expected = 0;
   std::vector<AgentTrials> agents;  ///< in the order of display
 

@@ -58,7 +58,8 @@ export function allCharts(data, base) {
   const charts = [];
   const add = (name, spec, context) => charts.push({name, spec: complete(spec, context)});
   data.experiments.forEach((experiment, index) => {
-    add(`${slug(experiment.name)}-mean-height`, meanHeightChart(data, index, base), base);
+    const flown = data.conditions.some((condition) => condition.experiment === index && condition.views[base.view]);
+    if (flown) add(`${slug(experiment.name)}-mean-height`, meanHeightChart(data, index, base), base);
   });
   for (const condition of data.conditions) {
     const prefix = `${slug(data.experiments[condition.experiment].name)}-${slug(condition.name)}`;

@@ -30,7 +30,7 @@ function change(part) {
   if (state.view === 'selected') address.set('trials', 'selected');
   if (state.condition !== data.shown_condition) address.set('condition', state.condition);
   if (state.agent) address.set('agent', state.agent);
-  history.replaceState(null, '', address.size > 0 ? `#${address}` : location.pathname + location.search);
+  history.replaceState(null, '', String(address) !== '' ? `#${address}` : location.pathname + location.search);
   draw();
 }
 

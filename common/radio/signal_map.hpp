@@ -57,6 +57,9 @@ class SignalMap {
 
   /// The readings at every height of heights() at this place. The reference stays valid as long as the map.
   [[nodiscard]] virtual const std::vector<Reading>& column(std::uint32_t point, world::Position position) = 0;
+
+  /// Computes every column now, if the whole route is known beforehand; else does nothing.
+  void prepare();
 };
 
 }  // namespace aloft::radio

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/radio/fading.hpp"
+#include "common/radio/scene.hpp"
+#include "common/radio/signal_map.hpp"
+
+namespace aloft::radio {
+
+/// Computes the readings over all heights at one ground position. Keeps its working memory between calls.
+class ColumnBuilder {
+ public:
+  ColumnBuilder(const Scene& scene, const Fading& fading);
+
+  [[nodiscard]] std::vector<Reading> build(std::uint32_t point, world::Position position);
+
+ private:
+  /// One of the wanted SINRs: of the station with this rank by power at this height.
+  struct Slot {
+    std::uint32_t height;
+    std::uint32_t rank;
+  };
+
+  void rank_stations();
+  void rank_among_all();
+  void insert(std::uint32_t k, const double* power_w);
+  void compute_sinr(std::uint32_t point, std::uint32_t c);
+  void select_blocks(std::uint32_t c);
+  void add_interferer(std::uint32_t point, std::uint32_t c, std::uint32_t k);
+  [[nodiscard]] std::vector<Reading> choose_serving();
+  [[nodiscard]] const double* power_w(std::uint32_t k) const noexcept {
+    return power_w_.data() + std::size_t{k} * width_;
+  }
+
+  const Scene& scene_;
+  Fading fading_;
+  std::uint32_t heights_;
+  std::uint32_t width_;  // heights_, rounded up to whole fading blocks: rows of all tables below
+  std::uint32_t ranks_;
+  std::vector<double> rise_m_;
+
+  Surroundings around_;
+  std::vector<double> power_w_;           // [station][height], before fading
+  std::vector<double> ranked_power_w_;    // [rank][height], descending
+  std::vector<std::uint32_t> ranked_;     // [rank][height]: base station
+  std::vector<double> sinr_;              // [rank][height], linear
+  std::vector<std::vector<Slot>> slots_;  // per base station
+  std::vector<std::uint32_t> involved_;   // base stations with slots
+
+  // Of the station whose SINR is computed: blocks of four heights where it is wanted, and values at these heights.
+  std::vector<std::uint32_t> blocks_;
+  std::vector<std::uint8_t> wanted_;
+  std::vector<double> block_rise_m_;
+  std::vector<double> nearest_m_;
+  std::vector<double> farthest_m_;
+  std::vector<double> interference_w_;  // [height]
+  // Of one interferer: blocks with at least one height where it disturbs; 1 or 0 per height.
+  std::vector<std::uint32_t> disturbed_blocks_;
+  std::vector<double> disturbs_;
+  std::vector<double> fading_row_;
+};
+
+}  // namespace aloft::radio

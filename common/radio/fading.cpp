@@ -1,0 +1,72 @@
+#include "common/radio/fading.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/radio/height_rows.hpp"
+#include "common/radio/link_budget.hpp"
+
+namespace aloft::radio {
+namespace {
+
+/// Complex amplitude of mean square 1.
+struct Amplitude {
+  double re = 0.0;
+  double im = 0.0;
+};
+
+/// Box-Muller; the angle is pi s with s in (-1, 1).
+Amplitude amplitude(std::uint32_t radius_word, std::uint32_t angle_word) noexcept {
+  const double radius = std::sqrt(-natural_log(unit_interval(radius_word)));
+  const double s = 2.0 * unit_interval(angle_word) - 1.0;
+  const double sine_of_size = cos_pi(0.5 - std::fabs(s));
+  return {radius * cos_pi(s), radius * (s < 0.0 ? -sine_of_size : sine_of_size)};
+}
+
+}  // namespace
+
+void Fading::rows(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks,
+                  std::vector<double>& out) {
+  out.resize(blocks.size() * lanes);
+  const std::uint32_t pair = c * max_stations + k;
+  switch (kind_) {
+    case FadingKind::independent:
+      return independent(point, pair, blocks, out.data());
+    case FadingKind::correlated:
+      return correlated(point, pair, blocks, out.data());
+    case FadingKind::none:
+      std::fill(out.begin(), out.end(), 1.0);
+  }
+}
+
+void Fading::independent(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks, double* out) {
+  words_.resize(blocks.size() * lanes);
+  auto word = words_.begin();
+  for (const std::uint32_t block : blocks) {
+    const auto four = stream_.block(point, pair, block);
+    word = std::copy(four.begin(), four.end(), word);
+  }
+  exponential_row(words_, out);
+}
+
+void Fading::correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks,
+                        double* out) const {
+  const double innovation = std::sqrt(1.0 - correlation_ * correlation_);
+  const std::uint32_t heights = blocks.empty() ? 0 : (blocks.back() + 1) * lanes;
+  auto wanted = blocks.begin();
+  Amplitude value;
+  for (std::uint32_t i = 0; i < heights; ++i) {
+    if (i == 0 || innovation > 0.0) {  // two heights per block of words, two words each
+      const auto words = stream_.block(point, pair, i / 2);
+      const Amplitude fresh = i % 2 == 0 ? amplitude(words[0], words[1]) : amplitude(words[2], words[3]);
+      value = i == 0 ? fresh
+                     : Amplitude{correlation_ * value.re + innovation * fresh.re,
+                                 correlation_ * value.im + innovation * fresh.im};
+    }
+    if (i / lanes != *wanted) continue;
+    *out++ = value.re * value.re + value.im * value.im;
+    if (i % lanes == lanes - 1) ++wanted;
+  }
+}
+
+}  // namespace aloft::radio

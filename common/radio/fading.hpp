@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/random.hpp"
+#include "common/radio/radio_model.hpp"
+
+namespace aloft::radio {
+
+/// Small-scale fading: power factors f with mean 1 (Rayleigh fading), for every (route point, candidate c, transmitter
+/// k, height) of a trial, a pure function of these: the order of questions does not matter.
+///
+/// independent: f ~ Exp(1), independent everywhere. correlated: the complex amplitude follows an autoregression over
+/// height with this correlation between adjacent heights of the table (1: constant over height). none: f = 1.
+class Fading {
+ public:
+  static constexpr std::uint32_t lanes = 4;             ///< heights that share one block of random words
+  static constexpr std::uint32_t max_stations = 65536;  ///< c and k share a counter word
+
+  Fading(const RadioModel& model, std::uint64_t seed, std::uint32_t trial)
+      : kind_(model.fading), correlation_(model.fading_correlation), stream_(seed, trial, "fading") {}
+
+  /// f at heights 4 b .. 4 b + 3 for each b of `blocks` (ascending), four values per block, into `out`.
+  void rows(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks,
+            std::vector<double>& out);
+
+ private:
+  void independent(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks, double* out);
+  void correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks, double* out) const;
+
+  FadingKind kind_;
+  double correlation_;
+  RandomStream stream_;
+  std::vector<std::uint32_t> words_;
+};
+
+}  // namespace aloft::radio

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string_view>
+#include <vector>
+
+#include "common/base/parameters.hpp"
+
+namespace aloft::radio {
+
+/// Everything adjustable in a generated world, with the defaults of preset `published`: city, route, heights, radio.
+[[nodiscard]] const std::vector<ParameterSpec>& generated_world_parameters();
+
+/// A generated world's parameters from a JSON object of overrides: `preset` changes the defaults, every other key
+/// overrides them. Resolving the result's to_json() again gives the same.
+/// Throws InputError naming `where` for unknown keys, values out of range, and combinations that contradict each other.
+[[nodiscard]] Parameters resolve_generated_world(const nlohmann::json& given, std::string_view where);
+
+}  // namespace aloft::radio

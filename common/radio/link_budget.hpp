@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "common/radio/approximations.hpp"
+#include "common/radio/radio_model.hpp"
+
+/// The formulas of one link at one height. They are written for loops over heights; the table and its explanation call
+/// the same functions, so they agree to the bit. Heights are relative to the base station antennas: rise_m = h - 30 m.
+namespace aloft::radio {
+
+/// Ground geometry of one link, seen from the UAV.
+struct Link {
+  double dx_m = 0.0;  ///< from the UAV to the base station
+  double dy_m = 0.0;
+  double distance_m = 0.0;         ///< horizontal
+  double blocking_height_m = 0.0;  ///< no line of sight below this height; line_of_sight.hpp
+};
+
+/// Gain of the 8-element vertical array at sine of elevation s: g(s) = (1/8) [sin(4 pi s) / sin(pi s / 2)]^2, limit 8
+/// at 0. With u = cos(pi s): sin(8x)/sin(x) = 8 cos x cos 2x cos 4x, so g = 4 (1 + u) u^2 (2 u^2 - 1)^2; no division.
+[[gnu::always_inline]] inline double array_gain(double sin_elevation) noexcept {
+  const double u = cos_pi(sin_elevation);
+  const double u2 = u * u;
+  const double w = 2.0 * u2 - 1.0;
+  return 4.0 * (1.0 + u) * u2 * (w * w);
+}
+
+/// distance^-exponent, from the squared distance in m^2.
+[[gnu::always_inline]] inline double path_gain(double distance2_m2, double exponent) noexcept {
+  return exp2((-0.5 / std::numbers::ln2) * exponent * natural_log(distance2_m2));
+}
+
+/// Mean received power, W, before fading: p = P G K g(s) D^-alpha. A base station with a sector points it at the UAV.
+/// Distances below 1 m count as 1 m.
+template <BsAntenna antenna, PathDistance path>
+[[gnu::always_inline]] inline double received_power_w(const RadioModel& model, double distance_m, double rise_m,
+                                                      double path_exponent) noexcept {
+  const double horizontal2_m2 = distance_m * distance_m;
+  const double sum_m2 = horizontal2_m2 + rise_m * rise_m;
+  const double slant2_m2 = sum_m2 < 1.0 ? 1.0 : sum_m2;
+  const double path2_m2 = path == PathDistance::slant ? slant2_m2 : (horizontal2_m2 < 1.0 ? 1.0 : horizontal2_m2);
+  const double antenna_gain =
+      antenna == BsAntenna::array ? array_gain(rise_m / std::sqrt(slant2_m2)) : model.sector_gain;
+  return model.link_gain_w * antenna_gain * path_gain(path2_m2, path_exponent);
+}
+
+/// Horizontal distances of the base stations that the UAV's beam covers while it points at one at `distance_m`.
+struct BeamLimits {
+  [[nodiscard]] bool contain(double distance_m) const noexcept {
+    return distance_m >= nearest_m && distance_m <= farthest_m;
+  }
+  double nearest_m = 0.0;
+  double farthest_m = 0.0;
+};
+
+/// With theta = atan2(rise, distance) and half beamwidth v: nearest = rise / tan(theta + v) if theta < pi/2 - v, else
+/// 0; farthest = rise / tan(theta - v) if v < theta < pi/2 - v, `interferer_distance_max_m` if theta <= v, else rise
+/// (the published simulator's choice). The tangents of sums are worked out: rise >= 0, T = tan v.
+[[gnu::always_inline]] inline BeamLimits beam_limits(const RadioModel& model, double distance_m,
+                                                     double rise_m) noexcept {
+  const double t = model.uav_half_beam_tan;
+  const double below = distance_m - rise_m * t;  // > 0: theta < pi/2 - v
+  const double above = rise_m - distance_m * t;  // > 0: theta > v
+  const double nearest_m = rise_m * below / (rise_m + distance_m * t);
+  const double farthest_m = rise_m * (distance_m + rise_m * t) / above;
+  return {below > 0.0 ? nearest_m : 0.0,
+          above <= 0.0 ? model.interferer_distance_max_m : (below > 0.0 ? farthest_m : rise_m)};
+}
+
+/// Whether the azimuths of two base stations, seen from the UAV, differ by less than half the UAV's beamwidth.
+[[nodiscard]] inline bool same_azimuth(const RadioModel& model, const Link& a, const Link& b) noexcept {
+  return a.dx_m * b.dx_m + a.dy_m * b.dy_m > model.uav_half_beam_cos * (a.distance_m * b.distance_m);
+}
+
+/// Spectral efficiency in bit/s/Hz: log2(1 + SINR), Shannon.
+[[gnu::always_inline]] inline double spectral_efficiency(double sinr) noexcept {
+  return natural_log(1.0 + sinr) * (1.0 / std::numbers::ln2);
+}
+
+/// 10 log10(SINR), at least -200 dB: in the nulls of an array nothing may be left.
+[[gnu::always_inline]] inline double decibel(double sinr) noexcept {
+  constexpr double least = 1e-20;
+  return natural_log(sinr < least ? least : sinr) * (10.0 / std::numbers::ln10);
+}
+
+}  // namespace aloft::radio

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/base/parameters.hpp"
+
+namespace aloft::radio {
+
+enum class LosRay : std::uint8_t { published, geometric };
+enum class UavAntenna : std::uint8_t { directional, omnidirectional };
+enum class BsAntenna : std::uint8_t { array, sector };
+enum class PathDistance : std::uint8_t { slant, horizontal };
+enum class FadingKind : std::uint8_t { independent, none, correlated };
+enum class ServingSelection : std::uint8_t { best_of_candidates, best_of_all };
+
+/// The radio part of a generated world's parameters, with what follows from them worked out once.
+struct RadioModel {
+  explicit RadioModel(const Parameters& world);
+
+  LosRay los_ray;
+  UavAntenna uav_antenna;
+  BsAntenna bs_antenna;
+  PathDistance path_distance;
+  FadingKind fading;
+  ServingSelection serving_selection;
+  std::uint32_t candidates;
+  std::uint32_t neighbours;
+  double interferer_distance_max_m;  ///< seen by a directional antenna that looks at the horizon
+
+  double link_gain_w;         ///< transmit power x UAV antenna gain x near-field gain: power at 1 m without the base
+                              ///< station's antenna
+  double noise_w;             ///< thermal noise in the band, with the noise figure
+  double sector_gain;         ///< of a base station's rectangular sector, inside
+  double path_exponent_los;   ///< power falls with distance^-exponent
+  double path_exponent_nlos;  ///< likewise, with a building in between
+  double fading_correlation;  ///< of the amplitudes at adjacent heights of the table
+  double uav_half_beam_cos;   ///< cosine and tangent of half the beamwidth
+  double uav_half_beam_tan;
+  double bs_half_beam_cos;
+};
+
+/// Gain of a rectangular beam of `beamwidth_rad` in both planes: 4 pi / (w/2)^2 = 16 pi / w^2.
+[[nodiscard]] double beam_gain(double beamwidth_rad) noexcept;
+
+/// (c / (4 pi f))^2 with c = 3e8 m/s.
+[[nodiscard]] double near_field_gain(double carrier_hz) noexcept;
+
+/// 10^((-174 + 10 log10(bandwidth) + noise figure) / 10) mW.
+[[nodiscard]] double noise_power_w(double bandwidth_hz, double noise_figure_db) noexcept;
+
+}  // namespace aloft::radio

@@ -1,0 +1,69 @@
+#include "common/radio/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/random.hpp"
+#include "common/radio/line_of_sight.hpp"
+
+namespace aloft::radio {
+
+HeightGrid height_grid(const Parameters& world) {
+  return {world.number("height_min_m"), world.number("height_max_m"), world.number("height_step_m"),
+          world.number("height_resolution_m")};
+}
+
+Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial)
+    : city_(std::move(city)), model_(world), heights_(height_grid(world)) {
+  if (model_.bs_antenna != BsAntenna::sector) return;
+  RandomStream stream(seed, trial, "sector azimuth");
+  for (std::uint32_t k = 0; k < stations(); ++k) {
+    const double s = stream.uniform(-1.0, 1.0);  // azimuth pi s
+    const double sine_of_size = cos_pi(0.5 - std::fabs(s));
+    sector_boresight_.push_back({cos_pi(s), s < 0.0 ? -sine_of_size : sine_of_size});
+  }
+}
+
+void Scene::look_around(world::Position position, Surroundings& into) const {
+  into.links.resize(stations());
+  into.sector_covers.assign(stations(), 1);
+  for (std::uint32_t k = 0; k < stations(); ++k) {
+    const world::Position station = city_.base_stations[k];
+    Link& link = into.links[k];
+    link.dx_m = station.x_m - position.x_m;
+    link.dy_m = station.y_m - position.y_m;
+    link.distance_m = std::sqrt(link.dx_m * link.dx_m + link.dy_m * link.dy_m);
+    link.blocking_height_m = blocking_height_m(city_, model_.los_ray, position, station);
+    if (model_.bs_antenna != BsAntenna::sector) continue;
+    const world::Position boresight = sector_boresight_[k];
+    const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
+    into.sector_covers[k] = along_m > model_.bs_half_beam_cos * link.distance_m ? 1 : 0;
+  }
+}
+
+std::uint32_t Scene::first_los(const Link& link) const noexcept {
+  const double above = std::ceil((link.blocking_height_m - heights_.height_min_m) / heights_.resolution_m);
+  auto index = static_cast<std::uint32_t>(std::clamp(above, 0.0, static_cast<double>(heights_.size())));
+  // Rounding may be one off; the comparison of heights decides.
+  if (index > 0 && heights_.height_m(index - 1) >= link.blocking_height_m) --index;
+  if (index < heights_.size() && heights_.height_m(index) < link.blocking_height_m) ++index;
+  return index;
+}
+
+bool Scene::can_interfere(const Surroundings& around, std::uint32_t c, std::uint32_t k) const noexcept {
+  if (k == c || around.sector_covers[k] == 0) return false;
+  return model_.uav_antenna == UavAntenna::omnidirectional || same_azimuth(model_, around.links[c], around.links[k]);
+}
+
+std::uint32_t Scene::reported_stations() const noexcept {
+  if (model_.serving_selection == ServingSelection::best_of_all) return stations();
+  return std::min(stations(), std::max(model_.candidates, model_.neighbours + 1));
+}
+
+std::uint32_t Scene::serving_candidates() const noexcept {
+  if (model_.serving_selection == ServingSelection::best_of_all) return stations();
+  return std::min(stations(), model_.candidates);
+}
+
+}  // namespace aloft::radio

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/radio/link_budget.hpp"
+#include "common/radio/radio_model.hpp"
+#include "common/radio/signal_map.hpp"
+#include "common/world/world.hpp"
+
+namespace aloft::radio {
+
+/// What holds at one ground position for all heights.
+struct Surroundings {
+  std::vector<Link> links;                  ///< per base station
+  std::vector<std::uint8_t> sector_covers;  ///< per base station: its own sector, not steered, covers the UAV
+};
+
+/// A city with its radio: who is heard where, fading apart.
+class Scene {
+ public:
+  /// `world`: every key of generated_world_parameters(). Keeps a copy of the city.
+  Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial);
+
+  [[nodiscard]] const RadioModel& model() const noexcept { return model_; }
+  [[nodiscard]] const world::City& city() const noexcept { return city_; }
+  [[nodiscard]] const HeightGrid& heights() const noexcept { return heights_; }
+  [[nodiscard]] std::uint32_t stations() const noexcept {
+    return static_cast<std::uint32_t>(city_.base_stations.size());
+  }
+  /// Height above the base stations' antennas.
+  [[nodiscard]] double rise_m(std::uint32_t height_index) const noexcept {
+    return heights_.height_m(height_index) - city_.base_station_height_m;
+  }
+
+  void look_around(world::Position position, Surroundings& into) const;
+
+  /// First index of heights() with line of sight.
+  [[nodiscard]] std::uint32_t first_los(const Link& link) const noexcept;
+
+  /// Whether base station k can disturb the reception of c at all: other azimuths are outside the UAV's beam, and a
+  /// sector that looks elsewhere sends nothing here.
+  [[nodiscard]] bool can_interfere(const Surroundings& around, std::uint32_t c, std::uint32_t k) const noexcept;
+
+  /// Base stations whose SINR is wanted at every height: all, or the strongest by received power.
+  [[nodiscard]] std::uint32_t reported_stations() const noexcept;
+  /// How many of them, in order of power, may serve.
+  [[nodiscard]] std::uint32_t serving_candidates() const noexcept;
+
+ private:
+  world::City city_;
+  RadioModel model_;
+  HeightGrid heights_;
+  std::vector<world::Position> sector_boresight_;  // unit vectors, per base station
+};
+
+/// The heights of a generated world.
+[[nodiscard]] HeightGrid height_grid(const Parameters& world);
+
+}  // namespace aloft::radio

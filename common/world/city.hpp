@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/base/parameters.hpp"
+#include "common/world/world.hpp"
+
+namespace aloft::world {
+
+/// Base stations and buildings: densities, heights, the window they fill.
+[[nodiscard]] const std::vector<ParameterSpec>& city_parameters();
+
+/// The city of one trial.
+///
+/// Base stations: Poisson(density * window^2) many, redrawn until there are min_base_stations, at uniform positions.
+/// Buildings: on a grid of floor(sqrt(n)) x ceil(sqrt(n)) cell centres, n = density * window^2, with independent
+/// heights. Streams: "base station count", "base station positions", "building heights", so conditions that differ in
+/// one density share everything else. `world` holds at least the keys of city_parameters().
+[[nodiscard]] City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t trial);
+
+}  // namespace aloft::world

@@ -48,7 +48,7 @@ std::span<const ParameterSpec> dqn_parameters() {
                        "mse: on the chosen action (textbook); cross-entropy: as published."),
       flag_parameter("target_network", true,
                      "Bootstrap from a copy of the network; the published code in effect has none."),
-      choice_parameter("reward", "absolute", {"absolute", "scaled", "difference"},
+      choice_parameter("reward", "scaled", {"absolute", "scaled", "difference"},
                        "bit/s/Hz or Mbit/s; that / the largest seen; or its change."),
       choice_parameter("memory", "per-flight", {"per-flight", "lifelong"},
                        "Start afresh each flight, or keep network, optimiser, replay and epsilon."),

@@ -118,7 +118,7 @@ TEST_CASE("the DQN finds the best height of a hill") {
 }
 
 TEST_CASE("with nothing to gain later, Q-values are the rewards") {
-  Dqn agent(parameters_of({{"discount", 0.0}, {"epochs", 100}}));
+  Dqn agent(parameters_of({{"discount", 0.0}, {"epochs", 100}, {"reward", "absolute"}}));
   const Flown flown = fly(agent, Hill(1));
   const double chosen = *std::max_element(flown.last.q_values.begin(), flown.last.q_values.end());
   CHECK(chosen == Approx(flown.rewards.back()).margin(0.5));
@@ -137,7 +137,7 @@ TEST_CASE("the same seed flies the same flight, another trial another one") {
 
 TEST_CASE("a checkpoint in mid-flight changes no command") {
   for (const Json& given : {Json::object(), Json{{"memory", "lifelong"}, {"input_scaling", "linear-max"}},
-                            Json{{"target_network", false}, {"reward", "scaled"}, {"replay_capacity", 20}}}) {
+                            Json{{"target_network", false}, {"reward", "absolute"}, {"replay_capacity", 20}}}) {
     const aloft::Parameters parameters = parameters_of(given);
     Dqn uninterrupted(parameters);
     const Flown expected = fly(uninterrupted, Hill(3));
@@ -174,7 +174,7 @@ TEST_CASE("every option changes what is learnt") {
   const Flown expected = fly(standard, Hill(2));
   for (const Json& given :
        {Json{{"neighbours", 5}}, Json{{"history", 2}}, Json{{"input_scaling", "linear-max"}},
-        Json{{"loss", "cross-entropy"}}, Json{{"target_network", false}}, Json{{"reward", "scaled"}},
+        Json{{"loss", "cross-entropy"}}, Json{{"target_network", false}}, Json{{"reward", "absolute"}},
         Json{{"reward", "difference"}}, Json{{"learning_rate", 1e-4}}, Json{{"discount", 0.5}},
         Json{{"epsilon_start", 0.5}}, Json{{"epsilon_decay", 0.5}}, Json{{"epsilon_floor", 0.5}},
         Json{{"replay_capacity", 30}}, Json{{"minibatch", 8}}, Json{{"epochs", 10}}, Json{{"target_copy_steps", 1}},

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
-#include <numeric>
 #include <stdexcept>
 
 #include "common/learn/denormals.hpp"
@@ -51,19 +50,22 @@ void BlockedNetwork::build_layers() {
     const std::size_t parameters = rows * shape.outputs;
     widest = std::max({widest, rows, rounded_up(shape.outputs)});
     alive_.emplace_back(shape.inputs + 1);
-    std::iota(alive_.back().begin(), alive_.back().end(), 0);
     KernelLayer& layer = layers_.emplace_back();
     layer.inputs = static_cast<int>(shape.inputs);
     layer.outputs = static_cast<int>(shape.outputs);
     layer.blocks = static_cast<int>(rows / lanes);
     layer.activation = shape.activation;
-    layer.weights = allocate(parameters);
-    layer.first_moments = allocate(parameters);
-    layer.second_moments = allocate(parameters);
+    // In one piece: separate large allocations would all start at the same offset in a page, and every store to one
+    // array would hold up the load from the next (4K aliasing).
+    layer.weights = allocate(3 * parameters);
+    layer.first_moments = layer.weights + parameters;
+    layer.second_moments = layer.first_moments + parameters;
     layer.input = allocate(rows * lanes);
     std::fill_n(layer.input + shape.inputs * lanes, lanes, 1.0F);  // what the bias multiplies
     layer.input_by_sample = allocate(rows * lanes);
     layer.alive = alive_.back().data();
+    for (std::size_t i = 0; i <= shape.inputs; ++i)
+      layer.alive[i] = {static_cast<int>(i * lanes), static_cast<int>(block_index(layer, 0, i))};
     layer.alive_count = layer.inputs + 1;
   }
   order_.resize(widest);

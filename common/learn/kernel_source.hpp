@@ -95,12 +95,13 @@ void output_delta(KernelNetwork& network, const KernelTraining& training) {
 /// Sums of N outputs from `first` on, for the whole batch.
 template <int N>
 void forward_tile(const KernelLayer& layer, int first, float* to) {
+  const float* const weights = layer.weights + first * lanes;
+  const AliveInput* const end = layer.alive + layer.alive_count;
   V sums[N];
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = V::of(0.0F);
-  for (int j = 0; j < layer.alive_count; ++j) {
-    const int i = layer.alive[j];
-    const V x = V::load(layer.input + i * lanes);
-    const float* w = layer.weights + ((i / lanes) * layer.outputs + first) * lanes + i % lanes;
+  for (const AliveInput* input = layer.alive; input != end; ++input) {
+    const V x = V::load(layer.input + input->row);
+    const float* w = weights + input->weight;
     ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = fma(V::broadcast(w + n * lanes), x, sums[n]);
   }
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n].store(to + (first + n) * lanes);
@@ -116,18 +117,17 @@ void forward_layer(const KernelLayer& layer, float* to) {
 /// Applies ReLU to the inputs of `layer` and lists those that are not zero in the whole batch.
 void hidden_activation(KernelLayer& layer, Activation activation) {
   int count = 0;
-  for (int i = 0; i < layer.inputs; ++i) {
+  for (int i = 0; i <= layer.inputs; ++i) {
     float* row = layer.input + i * lanes;
     bool alive = true;
-    if (activation == Activation::relu) {
+    if (activation == Activation::relu && i < layer.inputs) {
       const V x = max(V::load(row), V::of(0.0F));
       x.store(row);
       alive = any_positive(x);
     }
-    layer.alive[count] = i;
+    layer.alive[count] = {i * lanes, i / lanes * layer.outputs * lanes + i % lanes};
     count += alive ? 1 : 0;
   }
-  layer.alive[count++] = layer.inputs;
   layer.alive_count = count;
 }
 
@@ -145,33 +145,73 @@ void forward(KernelNetwork& network) {
 
 // --- backward ---------------------------------------------------------------------------------------------------
 
+/// Deltas of B blocks of the layer below: each weight is used for S samples at a time, all 16 in turn, because loads
+/// limit this part. Result: `to` [B blocks][16 samples][16 inputs].
+template <int B, int S>
+void delta_tile(const KernelLayer& layer, int block, const int* order, int count, const float* delta, float* to) {
+  const float* const weights = layer.weights + block * layer.outputs * lanes;
+  const long stride = static_cast<long>(layer.outputs) * lanes;
+  for (int s = 0; s < lanes; s += S) {
+    V sums[B][S];
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) {
+      ALOFT_UNROLL for (int i = 0; i < S; ++i) sums[b][i] = V::of(0.0F);
+    }
+    for (int k = 0; k < count; ++k) {
+      const float* w = weights + order[k];
+      V wb[B];
+      ALOFT_UNROLL for (int b = 0; b < B; ++b) wb[b] = V::load(w + b * stride);
+      ALOFT_UNROLL for (int i = 0; i < S; ++i) {
+        const V d = V::broadcast(delta + k * lanes + s + i);
+        ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b][i] = fma(wb[b], d, sums[b][i]);
+      }
+    }
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) {
+      ALOFT_UNROLL for (int i = 0; i < S; ++i) sums[b][i].store(to + (b * lanes + s + i) * lanes);
+    }
+  }
+}
+
 /// Deltas of the layer below for its alive units, in ascending order. `order` and `count`: the outputs of `layer` that
 /// have a delta.
 void delta_layer(const KernelLayer& layer, Activation below, const int* order, int count, const float* delta,
                  float* to) {
+  alignas(64) float by_sample[delta_blocks * lanes * lanes];
+  alignas(64) float by_unit[lanes * lanes];
   const int alive = layer.alive_count - 1;  // without the constant input
-  for (int j = 0; j < alive;) {
-    const int first = layer.alive[j] / delta_inputs * delta_inputs;
-    const float* block = layer.weights + (first / lanes) * layer.outputs * lanes + first % lanes;
-    V sums[delta_inputs];
-    ALOFT_UNROLL for (int n = 0; n < delta_inputs; ++n) sums[n] = V::of(0.0F);
-    for (int k = 0; k < count; ++k) {
-      const V d = V::load(delta + k * lanes);
-      const float* w = block + order[k] * lanes;
-      ALOFT_UNROLL for (int n = 0; n < delta_inputs; ++n) sums[n] = fma(V::broadcast(w + n), d, sums[n]);
+  int j = 0;
+  for (int block = 0; block < layer.blocks && j < alive;) {
+    const int blocks = block + delta_blocks <= layer.blocks ? delta_blocks : 1;
+    if (blocks == delta_blocks) {
+      delta_tile<delta_blocks, delta_samples>(layer, block, order, count, delta, by_sample);
+    } else {
+      delta_tile<1, delta_samples>(layer, block, order, count, delta, by_sample);
     }
-    for (; j < alive && layer.alive[j] < first + delta_inputs; ++j) {
-      const V x = V::load(layer.input + layer.alive[j] * lanes);
-      const V d = sums[layer.alive[j] - first];
-      (below == Activation::relu ? where_positive(x, d, V::of(0.0F)) : d).store(to + j * lanes);
+    for (int b = 0; b < blocks; ++b, ++block) {
+      transpose(by_sample + b * lanes * lanes, lanes, by_unit, lanes);
+      for (; j < alive && layer.alive[j].row < (block + 1) * lanes * lanes; ++j) {
+        const V x = V::load(layer.input + layer.alive[j].row);
+        const V d = V::load(by_unit + (layer.alive[j].row - block * lanes * lanes));
+        (below == Activation::relu ? where_positive(x, d, V::of(0.0F)) : d).store(to + j * lanes);
+      }
     }
   }
 }
 
 // --- weight gradient and Adam -------------------------------------------------------------------------------------
 
+/// Passed by value: the compiler must know that no store changes it.
 struct Adam {
   V beta1, beta2, epsilon, step_size;
+};
+
+/// A layer's arrays, passed by value for the same reason.
+struct Arrays {
+  float* weights;
+  float* first_moments;
+  float* second_moments;
+
+  explicit Arrays(const KernelLayer& layer)
+      : weights(layer.weights), first_moments(layer.first_moments), second_moments(layer.second_moments) {}
 };
 
 /// 1 / x for normal x > 0, relative error 1e-7. Integer arithmetic on the exponent gives 12 %, each of two cubic Newton
@@ -186,7 +226,7 @@ inline V reciprocal(V x) {
   return fma(r, fma(e, e, e), r);
 }
 
-inline void adam_step(const KernelLayer& layer, long at, V g, const Adam& adam) {
+inline void adam_step(Arrays layer, long at, V g, Adam adam) {
   const V m = fma(adam.beta1, V::load(layer.first_moments + at), g);
   const V v = fma(adam.beta2, V::load(layer.second_moments + at), mul(g, g));
   m.store(layer.first_moments + at);
@@ -202,7 +242,7 @@ struct Pending {
   long at[16];
   int count = 0;
 
-  void flush(const KernelLayer& layer, const Adam& adam) {
+  void flush(Arrays layer, Adam adam) {
     for (int e = 0; e < count; ++e) adam_step(layer, at[e], V::load(gradient + e * lanes), adam);
     count = 0;
   }
@@ -211,10 +251,13 @@ struct Pending {
 /// Gradients of B input blocks x N outputs.
 template <int B, int N>
 void gradient_tile(const KernelLayer& layer, const float* delta_by_sample, int stride, int block, int first,
-                   const int* order, Pending& pending, const Adam& adam) {
+                   const int* order, Pending& pending, const Adam& adam_settings) {
+  const Adam adam = adam_settings;
+  const Arrays arrays(layer);
+  const long input_stride = static_cast<long>(layer.blocks) * lanes;
   constexpr int entries = B * N;
   constexpr int samples_per_entry = lanes / entries;
-  if (pending.count != entries) pending.flush(layer, adam);
+  if (pending.count != entries) pending.flush(arrays, adam);
   const bool busy = pending.count == entries;
   V sums[B][N];
   ALOFT_UNROLL for (int b = 0; b < B; ++b) {
@@ -224,19 +267,21 @@ void gradient_tile(const KernelLayer& layer, const float* delta_by_sample, int s
   const float* d = delta_by_sample + first;
   for (int e = 0; e < entries; ++e) {
     ALOFT_UNROLL for (int s = 0; s < samples_per_entry; ++s) {
-      ALOFT_UNROLL for (int b = 0; b < B; ++b) {
-        const V xb = V::load(x + b * lanes);
-        ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[b][n] = fma(V::broadcast(d + n), xb, sums[b][n]);
+      V xb[B];
+      ALOFT_UNROLL for (int b = 0; b < B; ++b) xb[b] = V::load(x + b * lanes);
+      ALOFT_UNROLL for (int n = 0; n < N; ++n) {
+        const V dn = V::broadcast(d + n);
+        ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b][n] = fma(dn, xb[b], sums[b][n]);
       }
-      x += layer.blocks * lanes;
+      x += input_stride;
       d += stride;
     }
-    if (busy) adam_step(layer, pending.at[e], V::load(pending.gradient + e * lanes), adam);
+    if (busy) adam_step(arrays, pending.at[e], V::load(pending.gradient + e * lanes), adam);
   }
   ALOFT_UNROLL for (int b = 0; b < B; ++b) {
     ALOFT_UNROLL for (int n = 0; n < N; ++n) {
       sums[b][n].store(pending.gradient + (b * N + n) * lanes);
-      pending.at[b * N + n] = (static_cast<long>(block + b) * layer.outputs + order[first + n]) * lanes;
+      pending.at[b * N + n] = static_cast<long>(block + b) * layer.outputs * lanes + order[first + n];
     }
   }
   pending.count = entries;
@@ -253,7 +298,7 @@ void gradient_blocks(const KernelLayer& layer, const float* delta_by_sample, int
   for (; k < with_gradient; ++k) gradient_tile<B, 1>(layer, delta_by_sample, stride, block, k, order, pending, adam);
   for (; k < layer.outputs; ++k) {
     for (int b = 0; b < B; ++b)
-      adam_step(layer, (static_cast<long>(block + b) * layer.outputs + order[k]) * lanes, V::of(0.0F), adam);
+      adam_step(Arrays(layer), static_cast<long>(block + b) * layer.outputs * lanes + order[k], V::of(0.0F), adam);
   }
 }
 
@@ -265,24 +310,24 @@ void gradient_layer(const KernelLayer& layer, const float* delta_by_sample, int 
     gradient_blocks<gradient_block_count>(layer, delta_by_sample, stride, block, order, with_gradient, pending, adam);
   for (; block < layer.blocks; ++block)
     gradient_blocks<1>(layer, delta_by_sample, stride, block, order, with_gradient, pending, adam);
-  pending.flush(layer, adam);
+  pending.flush(Arrays(layer), adam);
 }
 
-/// The order in which a layer's outputs are treated: those with a delta (the alive units of the layer above's input),
-/// then the others; returns how many have one. All of the output layer's have.
+/// The order (offsets of rows) in which a layer's outputs are treated: those with a delta (the alive units of the layer
+/// above's input), then the others; returns how many have one. All of the output layer's have.
 int order_outputs(const KernelLayer& layer, const KernelLayer* above, int* order) {
   if (above == nullptr) {
-    for (int o = 0; o < layer.outputs; ++o) order[o] = o;
+    for (int o = 0; o < layer.outputs; ++o) order[o] = o * lanes;
     return layer.outputs;
   }
   const int alive = above->alive_count - 1;
   int dead = alive;
   int j = 0;
   for (int o = 0; o < layer.outputs; ++o) {
-    if (j < alive && above->alive[j] == o) {
-      order[j++] = o;
+    if (j < alive && above->alive[j].row == o * lanes) {
+      order[j++] = o * lanes;
     } else {
-      order[dead++] = o;
+      order[dead++] = o * lanes;
     }
   }
   return alive;

@@ -115,7 +115,8 @@ inline void transpose(const float* from, int from_stride, float* to, int to_stri
 
 // Tiles that fill the 16 registers.
 constexpr int forward_outputs = 5;
-constexpr int delta_inputs = 4;
+constexpr int delta_blocks = 1;
+constexpr int delta_samples = 4;
 constexpr int gradient_block_count = 1;
 constexpr int gradient_outputs = 4;
 

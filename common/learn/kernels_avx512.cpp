@@ -99,7 +99,8 @@ inline void transpose(const float* from, int from_stride, float* to, int to_stri
 
 // Tiles that fill the 32 registers.
 constexpr int forward_outputs = 25;
-constexpr int delta_inputs = 16;
+constexpr int delta_blocks = 3;
+constexpr int delta_samples = 8;
 constexpr int gradient_block_count = 2;
 constexpr int gradient_outputs = 8;
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace aloft::statistics {
+
+/// A condition of the table of expected means.
+struct Densities {
+  double bs_per_km2;
+  double buildings_per_km2;
+};
+
+struct Sample {
+  double mean = 0.0;
+  double sd = 0.0;
+  std::uint32_t trials = 0;
+
+  /// How far a mean over so many trials may lie from the true one: three standard errors + 0.1, the accuracy to which
+  /// the expected means are known.
+  [[nodiscard]] double tolerance() const;
+};
+
+[[nodiscard]] Sample sample_of(std::span<const double> values);
+
+/// Mean quality per flight, [agent][trial], of agents that fly the same generated worlds of preset `published`. Trials
+/// are shared out to two threads; the result does not depend on that.
+[[nodiscard]] std::vector<std::vector<double>> fly_trials(const Densities& densities, const nlohmann::json& agents,
+                                                          std::uint32_t trials);
+
+/// Checks (Catch2) random-walk and one-step-ahead against the expected means, and the height filter's gain over
+/// min-height against the expected gains where they are known.
+void check_expected_means(const Densities& densities, std::uint32_t trials);
+
+}  // namespace aloft::statistics

@@ -1,0 +1,13 @@
+#include <catch2/catch.hpp>
+
+#include "tests/statistics/agent_means.hpp"
+
+using aloft::statistics::check_expected_means;
+
+TEST_CASE("agents fly as well as expected, 1,000 trials") {
+  check_expected_means({1, 200}, 1'000);
+  check_expected_means({2.5, 200}, 1'000);
+  check_expected_means({5, 200}, 1'000);
+  check_expected_means({2.5, 100}, 1'000);
+  check_expected_means({2.5, 300}, 1'000);
+}

@@ -1,0 +1,48 @@
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/flight/flight.hpp"
+#include "common/radio/measured_map.hpp"
+#include "common/world/measured_flight.hpp"
+
+using namespace aloft;
+
+namespace {
+
+const std::filesystem::path gcq_csv = ALOFT_SOURCE_DIR "/../shared/data/gcq.csv";
+
+/// The file is not ours to ship.
+bool gcq_is_missing() {
+  if (std::filesystem::exists(gcq_csv)) return false;
+  std::cerr << "*** SKIPPED: no " << gcq_csv
+            << "; the numbers of the real flight over Grand Canal Quay are not checked\n";
+  return true;
+}
+
+double mean_mbps(radio::SignalMap& map, const nlohmann::json& agent, std::uint32_t trial = 0) {
+  const agents::AgentSpec spec = agents::parse_agents(agent, "agents[0]").front();
+  return flight::fly(map, 1, trial, *spec.make(), spec).qos_mean() / 1'000.0;
+}
+
+}  // namespace
+
+TEST_CASE("agents on the real flight over Grand Canal Quay") {
+  if (gcq_is_missing()) return;
+  const auto map = radio::make_measured_map(world::read_measured_flight(gcq_csv));
+  // Computed elsewhere, in Mbit/s.
+  CHECK(mean_mbps(*map, "min-height") == Approx(68.18).margin(0.01));
+  CHECK(mean_mbps(*map, "constant-60") == Approx(41.49).margin(0.01));
+  CHECK(mean_mbps(*map, "constant-120") == Approx(40.99).margin(0.01));
+  CHECK(mean_mbps(*map, "optimal-height") == Approx(82.12).margin(0.01));
+  CHECK(mean_mbps(*map, "planner") == Approx(81.23).margin(0.01));
+  CHECK(mean_mbps(*map, "one-step-ahead") == Approx(80.08).margin(0.01));
+  CHECK(mean_mbps(*map, "height-filter") == Approx(76.64).margin(0.01));
+  CHECK(mean_mbps(*map, "local-bandit") >= 74.0);
+
+  double random_walks = 0.0;
+  for (std::uint32_t trial = 0; trial < 100; ++trial) random_walks += mean_mbps(*map, "random-walk", trial) / 100.0;
+  CHECK(random_walks >= 47.0);
+  CHECK(random_walks <= 54.0);
+}

@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,11 @@ struct FlightSummary {
   std::string digest;  ///< SHA-256 of the encoded trace
 };
 
+/// No room left on the disk. Nothing of the batch was stored, nothing stored before is lost: try again later.
+class StoreFull : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// The trace as Protobuf (idl/trace.proto), the same bytes for the same record. These bytes are stored, hashed and
 /// sent.
 [[nodiscard]] std::string encode_trace(const flight::FlightRecord& record);
@@ -34,10 +41,13 @@ enum class Stored : std::uint8_t { added, already_there };
 /// results.sqlite: every finished flight under (condition, trial, agent). One writer, any number of readers.
 class ResultStore {
  public:
-  /// Creates or opens DIR/results.sqlite for this experiment. InputError if DIR holds another experiment's results (the
-  /// message names the first difference) or cannot be written; IntegrityError with a hint if the database is corrupt.
+  /// Creates or opens DIR/results.sqlite for this experiment, and writes DIR/experiment.json (the resolved experiment
+  /// and the build). InputError if DIR holds another experiment's results (the message names the first difference) or
+  /// other files, cannot be written, or another process is writing into it; IntegrityError with a hint if the database
+  /// is corrupt.
   static ResultStore open_for_writing(const std::filesystem::path& dir, const experiment::Experiment& experiment);
-  /// Opens an existing result folder, read only.
+  /// Opens an existing result folder, read only; another process may be writing into it. InputError if there is none,
+  /// IntegrityError as above.
   static ResultStore open_for_reading(const std::filesystem::path& dir);
 
   ResultStore(ResultStore&&) noexcept;
@@ -46,16 +56,18 @@ class ResultStore {
   /// The experiment whose results these are.
   [[nodiscard]] const experiment::Experiment& experiment() const noexcept;
 
-  /// Storing is idempotent; a second record of the same flight with another digest throws IntegrityError. Durable once
-  /// it returns, unless a batch is open.
+  /// Storing is idempotent; a second record of the same flight with another digest throws IntegrityError, as
+  /// does a trace that cannot be decoded or has no steps. Durable (kill -9, power loss) once it returns, unless a batch
+  /// is open. Throws StoreFull if the disk is full. One thread at a time.
   Stored add(const experiment::FlightKey& key, std::string_view encoded_trace);
-  /// Everything added inside `work` becomes durable together.
+  /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested.
   void batch(const std::function<void()>& work);
 
   [[nodiscard]] std::set<experiment::FlightKey> keys() const;
-  /// Canonical order: condition, trial, then the experiment's order of agents.
+  /// Canonical order: condition, trial, then the experiment's order of agents. Throws IntegrityError if a row was
+  /// altered.
   [[nodiscard]] std::vector<FlightSummary> flights() const;
-  /// The encoded trace; throws IntegrityError if its digest does not match.
+  /// The encoded trace; throws IntegrityError if its digest does not match, InputError if this flight is not stored.
   [[nodiscard]] std::string trace(const experiment::FlightKey& key) const;
 
   /// One SHA-256 over all flights in canonical order.
@@ -66,5 +78,8 @@ class ResultStore {
   explicit ResultStore(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// The summary (experiment/summary.hpp) of all stored flights.
+[[nodiscard]] nlohmann::ordered_json summarise(const ResultStore& results);
 
 }  // namespace aloft::store

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <vector>
+
+#include "common/experiment/experiment.hpp"
+#include "common/experiment/world_parameters.hpp"
+
+namespace aloft::experiment {
+
+inline constexpr std::size_t max_conditions = 10'000;
+
+/// The conditions of "world", or of all "worlds", in the order of the sweeps: every value that is a list is swept, the
+/// first key of the file changes slowest. Throws InputError naming the JSON path.
+[[nodiscard]] std::vector<Condition> expand_worlds(const nlohmann::ordered_json& document, const FileAccess& files);
+
+/// A condition as an entry of "worlds" that gives back the same condition.
+[[nodiscard]] nlohmann::json canonical_world(const Condition& condition);
+
+}  // namespace aloft::experiment

@@ -1,0 +1,203 @@
+#include "common/experiment/experiment.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+#include "common/base/digest.hpp"
+#include "common/base/error.hpp"
+#include "common/base/nearest.hpp"
+#include "common/experiment/conditions.hpp"
+#include "common/experiment/file_keys.hpp"
+#include "common/experiment/identity.hpp"
+#include "common/experiment/json_text.hpp"
+#include "common/experiment/schema.hpp"
+#include "common/experiment/set_value.hpp"
+#include "common/experiment/text_file.hpp"
+
+namespace aloft::experiment {
+namespace {
+
+using Json = nlohmann::json;
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr std::size_t max_agents = 64;
+constexpr std::size_t max_name_length = 64;
+
+void check_keys(const OrderedJson& document) {
+  if (!document.is_object())
+    throw InputError(
+        fmt::format("{} is not an experiment; use an object with \"name\", \"trials\", \"world\" and "
+                    "\"agents\"",
+                    document.dump().substr(0, 40)));
+  const std::vector<std::string> keys = file_keys();
+  for (const auto& item : document.items())
+    if (std::find(keys.begin(), keys.end(), item.key()) == keys.end())
+      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", item.key(), did_you_mean(item.key(), keys),
+                                   fmt::join(keys, ", ")));
+  for (const char* key : {"name", "trials", "agents"})
+    if (!document.contains(key)) throw InputError(fmt::format("\"{}\" is missing", key));
+}
+
+std::uint64_t seed_of(const OrderedJson& document) {
+  const auto seed = document.find("seed");
+  if (seed == document.end()) return default_seed;
+  // Not by way of a double, which holds only 53 bits.
+  if (!seed->is_number_integer() || (!seed->is_number_unsigned() && seed->get<std::int64_t>() < 0))
+    throw InputError(
+        fmt::format("seed: {} is not allowed; use a whole number from 0 to 18446744073709551615", seed->dump()));
+  return seed->get<std::uint64_t>();
+}
+
+void check_name(const std::string& name) {
+  const bool fine = std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+           c == '.';
+  });
+  if (name.empty() || name.size() > max_name_length || !fine || name.front() == '.')
+    throw InputError(
+        fmt::format("name: {} is not allowed; use 1 to {} letters, digits, '-', '_' and '.', because result "
+                    "folders are named after it",
+                    Json(name).dump(), max_name_length));
+}
+
+/// The entries that are plain parameters: name, trials, ...
+void read_settings(const OrderedJson& document, Experiment& experiment) {
+  Json given = Json::object();
+  for (const ParameterSpec& spec : file_settings())
+    if (document.contains(spec.name)) given[spec.name] = document.at(spec.name);
+  const Parameters settings(file_settings(), given, "");
+  experiment.name = settings.text("name");
+  check_name(experiment.name);
+  experiment.description = settings.text("description");
+  experiment.trials = static_cast<std::uint32_t>(settings.integer("trials"));
+  experiment.on_agent_loss = settings.text("on_agent_loss") == "restart" ? OnAgentLoss::restart : OnAgentLoss::failover;
+  experiment.max_attempts = static_cast<std::uint32_t>(settings.integer("max_attempts"));
+}
+
+std::vector<agents::AgentSpec> agents_of(const OrderedJson& document) {
+  const OrderedJson& list = document.at("agents");
+  if (!list.is_array() || list.empty())
+    throw InputError(fmt::format("agents: {} is not allowed; use a list of at least one agent", list.dump()));
+  std::vector<agents::AgentSpec> specs;
+  std::map<std::string, std::size_t> entry_of;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    for (agents::AgentSpec& spec : agents::parse_agents(Json(list[i]), fmt::format("agents[{}]", i))) {
+      const auto [other, is_new] = entry_of.emplace(spec.name, i);
+      if (!is_new)
+        throw InputError(
+            fmt::format("agents[{}]: an agent named \"{}\" stands already at agents[{}]; give one of them "
+                        "another \"name\"",
+                        i, spec.name, other->second));
+      specs.push_back(std::move(spec));
+    }
+  return specs;
+}
+
+/// What --agents asks for: an agent of the file, or one of the registry that the file need not name.
+std::vector<agents::AgentSpec> chosen_agents(const std::vector<agents::AgentSpec>& in_file,
+                                             const std::vector<std::string>& names) {
+  std::vector<agents::AgentSpec> chosen;
+  for (const std::string& name : names) {
+    const auto found =
+        std::find_if(in_file.begin(), in_file.end(), [&](const auto& spec) { return spec.name == name; });
+    std::vector<agents::AgentSpec> specs =
+        found != in_file.end() ? std::vector{*found} : agents::parse_agents(Json(name), "--agents");
+    for (agents::AgentSpec& spec : specs) {
+      if (std::any_of(chosen.begin(), chosen.end(), [&](const auto& other) { return other.name == spec.name; }))
+        throw InputError(fmt::format("--agents: '{}' stands twice; name it once", spec.name));
+      chosen.push_back(std::move(spec));
+    }
+  }
+  return chosen;
+}
+
+/// Makes one of each agent and throws it away: some parameters are only wrong together.
+void check_agents(const std::vector<agents::AgentSpec>& specs) {
+  if (specs.size() > max_agents)
+    throw InputError(fmt::format("agents: {} are too many; use at most {}", specs.size(), max_agents));
+  for (const agents::AgentSpec& spec : specs)
+    if (!agents::agent_type(spec.type).foreign) (void)spec.make();
+}
+
+Json canonical_form(const Experiment& experiment) {
+  Json worlds = Json::array();
+  for (const Condition& condition : experiment.conditions) worlds.push_back(canonical_world(condition));
+  Json agent_list = Json::array();
+  for (const agents::AgentSpec& spec : experiment.agents) {
+    Json agent = spec.parameters.to_json();
+    agent["name"] = spec.name;
+    agent["type"] = spec.type;
+    agent_list.push_back(std::move(agent));
+  }
+  return {{"name", experiment.name},
+          {"description", experiment.description},
+          {"seed", experiment.seed},
+          {"trials", experiment.trials},
+          {"on_agent_loss", experiment.on_agent_loss == OnAgentLoss::restart ? "restart" : "failover"},
+          {"max_attempts", experiment.max_attempts},
+          {"worlds", std::move(worlds)},
+          {"agents", std::move(agent_list)}};
+}
+
+void apply(OrderedJson& document, const Overrides& overrides) {
+  for (const std::string& assignment : overrides.set) set_value(document, assignment);
+  if (overrides.trials) document["trials"] = *overrides.trials;
+  if (overrides.seed) document["seed"] = *overrides.seed;
+}
+
+Experiment resolve(OrderedJson document, const Overrides& overrides, const FileAccess& files) {
+  if (document.is_object()) apply(document, overrides);
+  check_keys(document);
+  Experiment experiment;
+  experiment.seed = seed_of(document);
+  read_settings(document, experiment);
+  experiment.agents = agents_of(document);
+  if (!overrides.agents.empty()) experiment.agents = chosen_agents(experiment.agents, overrides.agents);
+  check_agents(experiment.agents);
+  experiment.conditions = expand_worlds(document, files);
+  // The checks above give the better messages, so they come first; the schema has the last word.
+  if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
+    throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
+  experiment.canonical = canonical_form(experiment);
+  experiment.id = id_of(experiment.canonical);
+  return experiment;
+}
+
+Experiment parse_with(std::string_view json, std::string_view where, const Overrides& overrides,
+                      const FileAccess& files) {
+  OrderedJson document = parse_json(json, where);
+  try {
+    return resolve(std::move(document), overrides, files);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+}  // namespace
+
+const agents::AgentSpec& Experiment::agent(std::string_view agent_name) const {
+  std::vector<std::string> names;
+  for (const agents::AgentSpec& spec : agents) {
+    if (spec.name == agent_name) return spec;
+    names.push_back(spec.name);
+  }
+  throw InputError(fmt::format("experiment '{}' has no agent '{}'.{} Its agents: {}", name, agent_name,
+                               did_you_mean(agent_name, names), fmt::join(names, ", ")));
+}
+
+Experiment load(const std::filesystem::path& file, const Overrides& overrides) {
+  return parse_with(read_text_file(file), file.string(), overrides, {file.parent_path(), true});
+}
+
+Experiment parse(std::string_view json, std::string_view where, const Overrides& overrides) {
+  return parse_with(json, where, overrides, {{}, false});
+}
+
+std::uint64_t episode_id(const Experiment& experiment, const FlightKey& key) {
+  return sha256_id(fmt::format("{}/{}/{}/{}", experiment.id, key.condition, key.trial, key.agent));
+}
+
+}  // namespace aloft::experiment

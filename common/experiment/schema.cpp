@@ -1,0 +1,122 @@
+#include "common/experiment/schema.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "common/agents/registry.hpp"
+#include "common/experiment/conditions.hpp"
+#include "common/experiment/file_keys.hpp"
+#include "common/experiment/world_parameters.hpp"
+#include "common/radio/generated_world.hpp"
+
+namespace aloft::experiment {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A value, or a list of values to sweep.
+Json value_or_list(Json value) {
+  Json description = value.at("description");
+  Json default_value = value.at("default");
+  value.erase("description");
+  value.erase("default");
+  Json list{{"type", "array"}, {"minItems", 1}, {"uniqueItems", true}, {"items", value}};
+  return {{"description", std::move(description)},
+          {"default", std::move(default_value)},
+          {"anyOf", Json::array({std::move(value), std::move(list)})}};
+}
+
+Json sweepable(std::span<const ParameterSpec> table) {
+  Json properties = schema_properties(table);
+  for (Json& property : properties) property = value_or_list(std::move(property));
+  return properties;
+}
+
+Json world_schema(const char* kind, std::span<const ParameterSpec> table) {
+  Json properties = sweepable(table);
+  properties["kind"] = {{"const", kind}};
+  properties["name"] = {
+      {"type", "string"}, {"minLength", 1}, {"description", "Names the condition, beside the swept values."}};
+  properties["swept"] = {{"type", "array"},
+                         {"items", {{"type", "string"}}},
+                         {"description", "Only in resolved experiments: which parameters were swept."}};
+  return {{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+}
+
+Json any_world() {
+  Json measured = world_schema("measured", measured_world_parameters());
+  measured["required"] = Json::array({"kind", "file"});
+  return {{"type", "object"},
+          {"if", {{"properties", {{"kind", {{"const", "measured"}}}}}, {"required", Json::array({"kind"})}}},
+          {"then", std::move(measured)},
+          {"else", world_schema("generated", radio::generated_world_parameters())}};
+}
+
+Json any_agent() {
+  const Json name{{"type", "string"}, {"pattern", "^[a-z0-9.-]{1,64}$"}};
+  Json rules = Json::array();
+  for (const agents::AgentType& type : agents::agent_types()) {
+    Json properties = sweepable(type.parameters);
+    properties["type"] = true;
+    properties["name"] = true;
+    rules.push_back({{"if", {{"properties", {{"type", {{"const", type.name}}}}}, {"required", Json::array({"type"})}}},
+                     {"then",
+                      {{"description", type.description},
+                       {"properties", std::move(properties)},
+                       {"additionalProperties", false}}}});
+  }
+  Json object{{"type", "object"},
+              {"required", Json::array({"type"})},
+              {"properties", {{"type", name}, {"name", name}}},
+              {"allOf", std::move(rules)}};
+  return {{"anyOf", Json::array({name, std::move(object)})}};
+}
+
+}  // namespace
+
+Json experiment_schema() {
+  Json properties = schema_properties(file_settings());
+  properties["name"]["minLength"] = 1;
+  for (const char* required : {"name", "trials"}) properties[required].erase("default");
+  properties["$schema"] = {{"type", "string"}, {"description", "Path or address of this schema, for editors."}};
+  properties["build"] = {{"type", "string"}, {"description", "Written into resolved experiments; ignored when read."}};
+  properties["seed"] = {{"type", "integer"},
+                        {"minimum", 0},
+                        {"maximum", 0x1p64},
+                        {"default", default_seed},
+                        {"description", "Of all randomness; below 2^64."}};
+  properties["world"] = any_world();
+  properties["worlds"] = {{"type", "array"},
+                          {"minItems", 1},
+                          {"description", "Several worlds, each with its own sweep; instead of \"world\"."},
+                          {"items", {{"$ref", "#/properties/world"}}}};
+  properties["agents"] = {{"type", "array"}, {"minItems", 1}, {"maxItems", 64}, {"items", any_agent()}};
+  return {{"$schema", "http://json-schema.org/draft-07/schema#"},
+          {"title", "Aloft experiment"},
+          {"type", "object"},
+          {"properties", std::move(properties)},
+          {"required", Json::array({"name", "trials", "agents"})},
+          {"oneOf", Json::array({{{"required", Json::array({"world"})}}, {{"required", Json::array({"worlds"})}}})},
+          {"additionalProperties", false}};
+}
+
+std::span<const ParameterSpec> file_settings() {
+  static const std::vector<ParameterSpec> table{
+      text_parameter("name", "",
+                     "Of the experiment: letters, digits, '-', '_', '.'; result folders are named after it."),
+      text_parameter("description", "", "For readers; changes no result."),
+      integer_parameter("trials", 1, 1, 10'000'000, "Worlds per condition; every agent flies in each."),
+      choice_parameter("on_agent_loss", "restart", {"restart", "failover"},
+                       "When an agent is lost: fly again from the start, or let the next agent take over."),
+      integer_parameter("max_attempts", 3, 1, 100, "How often a trial that fails is tried."),
+  };
+  return table;
+}
+
+std::vector<std::string> file_keys() {
+  std::vector<std::string> keys;
+  const Json schema = experiment_schema();
+  for (const auto& item : schema.at("properties").items()) keys.push_back(item.key());
+  return keys;
+}
+
+}  // namespace aloft::experiment

@@ -1,0 +1,105 @@
+#include "common/experiment/summary.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+using namespace aloft;
+using namespace aloft::experiment;
+using Catch::Matchers::Contains;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Experiment two_conditions() {
+  Experiment experiment;
+  experiment.name = "hand-made";
+  experiment.id = "0123456789abcdef";
+  experiment.seed = 18446744073709551615U;
+  experiment.trials = 4;
+  experiment.conditions.push_back({0, "bs_density_per_km2=1", {{"bs_density_per_km2", 1}}, WorldKind::generated, {}});
+  experiment.conditions.push_back({1, "canal, \"real\"", nlohmann::json::object(), WorldKind::measured, {}});
+  experiment.agents.push_back({"dqn", "dqn", {}});
+  experiment.agents.push_back({"min-height", "min-height", {}});
+  return experiment;
+}
+
+std::vector<FlightScore> some_scores() {
+  return {
+      {{0, 0, "dqn"}, 5.0, 60.0, 10},          {{0, 0, "min-height"}, 4.0, 40.0, 0}, {{0, 1, "dqn"}, 9.0, 80.0, 20},
+      {{0, 1, "min-height"}, 6.0, 40.0, 0},    {{0, 2, "dqn"}, 100.0, 100.0, 30},  // whose min-height flight is missing
+      {{0, 3, "min-height"}, 1000.0, 40.0, 0}, {{1, 0, "dqn"}, 41234.0, 60.0, 1}};
+}
+
+}  // namespace
+
+TEST_CASE("a summary gives every statistic of every agent, by hand") {
+  const Json summary = summarise(two_conditions(), some_scores(), "1.2.3");
+  CHECK(summary["experiment"] == "hand-made");
+  CHECK(summary["experiment_id"] == "0123456789abcdef");
+  CHECK(summary["seed"] == 18446744073709551615U);
+  CHECK(summary["build"] == "1.2.3");
+  CHECK(summary["qos_unit"].is_null());
+  REQUIRE(summary["conditions"].size() == 2);
+  const Json& condition = summary["conditions"][0];
+  CHECK(condition["name"] == "bs_density_per_km2=1");
+  CHECK(condition["qos_unit"] == "bit/s/Hz");
+  CHECK(condition["parameters"]["kind"] == "generated");
+  CHECK(condition["agents"].begin().key() == "dqn");  // the experiment's order
+
+  const Json& dqn = condition["agents"]["dqn"];
+  CHECK(dqn["trials"] == 3);
+  CHECK(dqn["qos_mean"].get<double>() == Approx(38.0));
+  CHECK(dqn["qos_median"] == 9.0);
+  CHECK(dqn["qos_q25"] == 7.0);
+  CHECK(dqn["qos_q75"] == 54.5);
+  CHECK(dqn["height_mean_m"] == 80.0);
+  CHECK(dqn["height_changes_mean"] == 20.0);
+  CHECK(dqn["qos_ci95"][0] == 5.0);  // 27 resamples, each extreme has 1/27 > 2.5 %
+  CHECK(dqn["qos_ci95"][1] == 100.0);
+  // Paired on trials 0 and 1 alone: gains 1 and 3.
+  CHECK(dqn["gain_over_min_height_mean"] == 2.0);
+  CHECK(dqn["gain_over_min_height_ci95"] == Json::array({1.0, 3.0}));
+}
+
+TEST_CASE("min-height gains nothing over itself") {
+  const Json summary = summarise(two_conditions(), some_scores(), "");
+  const Json& agent = summary["conditions"][0]["agents"]["min-height"];
+  CHECK(agent["gain_over_min_height_mean"] == 0.0);
+  CHECK(agent["gain_over_min_height_ci95"] == Json::array({0.0, 0.0}));
+}
+
+TEST_CASE("what was not flown is null, never zero") {
+  const Json summary = summarise(two_conditions(), some_scores(), "");
+  const Json& measured = summary["conditions"][1];
+  CHECK(measured["qos_unit"] == "kbit/s");
+  const Json& missing = measured["agents"]["min-height"];
+  CHECK(missing["trials"] == 0);
+  CHECK(missing["qos_mean"].is_null());
+  CHECK(missing["qos_ci95"].is_null());
+  CHECK(measured["agents"]["dqn"]["gain_over_min_height_mean"].is_null());
+  CHECK(measured["agents"]["dqn"]["gain_over_min_height_ci95"].is_null());
+}
+
+TEST_CASE("one unit for all conditions stands at the top") {
+  Experiment experiment = two_conditions();
+  experiment.conditions.pop_back();
+  CHECK(summarise(experiment, {}, "")["qos_unit"] == "bit/s/Hz");
+}
+
+TEST_CASE("the CSV has one line per condition and agent") {
+  const std::string csv = summary_csv(summarise(two_conditions(), some_scores(), ""));
+  CHECK(csv.starts_with("condition,agent,qos_unit,trials,qos_mean,qos_ci95_low,qos_ci95_high,qos_median,"));
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 5);
+  CHECK_THAT(csv, Contains("\nbs_density_per_km2=1,min-height,bit/s/Hz,3,"));
+  CHECK_THAT(csv, Contains("\n\"canal, \"\"real\"\"\",dqn,kbit/s,1,41234.0,41234.0,41234.0,"));
+  CHECK_THAT(csv, Contains("kbit/s,0,,,,,,,,,,,\n"));
+}
+
+TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {
+  const std::string table = summary_table(summarise(two_conditions(), some_scores(), ""));
+  CHECK_THAT(table, Contains("Mbit/s") && Contains("bit/s/Hz") && Contains("41.23") && Contains("+2.00 [1.00, 3.00]"));
+  const auto header = table.find("agent ");
+  const auto first = table.find("\n", header);
+  const auto second = table.find("\n", first + 1);
+  CHECK(second - first == table.find("\n", second + 1) - second);
+}

@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/experiment/summary.hpp"
+
+namespace aloft::experiment {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+using Row = std::vector<std::string>;
+
+std::string csv_cell(const OrderedJson& value) {
+  if (value.is_null()) return "";
+  if (!value.is_string()) return value.dump();
+  const auto text = value.get<std::string>();
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
+/// A number in `unit`, three or four digits that matter.
+std::string digits(const OrderedJson& value, double unit) {
+  return value.is_null() ? "-" : fmt::format("{:.2f}", value.get<double>() / unit);
+}
+
+std::string interval(const OrderedJson& value, double unit) {
+  return value.is_null() ? "-" : fmt::format("[{}, {}]", digits(value[0], unit), digits(value[1], unit));
+}
+
+std::string one_decimal(const OrderedJson& value) {
+  return value.is_null() ? "-" : fmt::format("{:.1f}", value.get<double>());
+}
+
+std::string gain(const OrderedJson& agent, double unit) {
+  const OrderedJson& mean = agent["gain_over_min_height_mean"];
+  if (mean.is_null()) return "-";
+  return fmt::format("{:+.2f} {}", mean.get<double>() / unit, interval(agent["gain_over_min_height_ci95"], unit));
+}
+
+Row table_row(const std::string& name, const OrderedJson& agent, double unit) {
+  return {name,
+          agent["trials"].dump(),
+          digits(agent["qos_mean"], unit),
+          interval(agent["qos_ci95"], unit),
+          digits(agent["qos_median"], unit),
+          interval(OrderedJson(agent["qos_q25"].is_null() ? OrderedJson()
+                                                          : OrderedJson::array({agent["qos_q25"], agent["qos_q75"]})),
+                   unit),
+          one_decimal(agent["height_mean_m"]),
+          one_decimal(agent["height_changes_mean"]),
+          gain(agent, unit)};
+}
+
+/// The first column to the left, numbers to the right.
+std::string aligned(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const Row& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  std::string text;
+  for (const Row& row : rows) {
+    std::string line = fmt::format("  {:<{}}", row[0], widths[0]);
+    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
+    text += line + '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string summary_csv(const OrderedJson& summary) {
+  static constexpr std::array numbers{"trials",
+                                      "qos_mean",
+                                      "qos_ci95",
+                                      "qos_median",
+                                      "qos_q25",
+                                      "qos_q75",
+                                      "height_mean_m",
+                                      "height_changes_mean",
+                                      "gain_over_min_height_mean",
+                                      "gain_over_min_height_ci95"};
+  std::string text = "condition,agent,qos_unit";
+  for (const std::string_view key : numbers)
+    text += key.ends_with("ci95") ? fmt::format(",{0}_low,{0}_high", key) : fmt::format(",{}", key);
+  text += '\n';
+  for (const OrderedJson& condition : summary.at("conditions"))
+    for (const auto& [name, agent] : condition.at("agents").items()) {
+      text += fmt::format("{},{},{}", csv_cell(condition.at("name")), name, csv_cell(condition.at("qos_unit")));
+      for (const std::string_view key : numbers) {
+        const OrderedJson& value = agent.at(std::string(key));
+        if (!key.ends_with("ci95"))
+          text += ',' + csv_cell(value);
+        else
+          text += value.is_null() ? ",," : fmt::format(",{},{}", csv_cell(value[0]), csv_cell(value[1]));
+      }
+      text += '\n';
+    }
+  return text;
+}
+
+std::string summary_table(const OrderedJson& summary) {
+  std::string text = fmt::format("{} (seed {}): mean over the flight, then over trials; [95 % interval]\n",
+                                 summary.at("experiment").get<std::string>(), summary.at("seed").dump());
+  for (const OrderedJson& condition : summary.at("conditions")) {
+    const bool throughput = condition.at("qos_unit") == "kbit/s";
+    const double unit = throughput ? 1000.0 : 1.0;
+    std::vector<Row> rows{{"agent", "trials", throughput ? "Mbit/s" : "bit/s/Hz", "[95 %]", "median", "[quartiles]",
+                           "height m", "changes", "gain over min-height"}};
+    for (const auto& [name, agent] : condition.at("agents").items()) rows.push_back(table_row(name, agent, unit));
+    text += fmt::format("\n{}\n{}", condition.at("name").get<std::string>(), aligned(rows));
+  }
+  return text;
+}
+
+}  // namespace aloft::experiment

@@ -1,0 +1,68 @@
+#include "common/experiment/text_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "common/base/error.hpp"
+
+namespace aloft::experiment {
+namespace {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& file, int flags) : fd_(::open(file.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const noexcept { return fd_; }
+
+ private:
+  int fd_;
+};
+
+[[noreturn]] void refuse(std::string_view doing, const std::filesystem::path& file) {
+  throw InputError(fmt::format("cannot {} '{}': {}", doing, file.string(), std::generic_category().message(errno)));
+}
+
+}  // namespace
+
+std::string read_text_file(const std::filesystem::path& file) {
+  const Descriptor descriptor(file, O_RDONLY);
+  if (descriptor.get() < 0) refuse("read", file);
+  std::string text;
+  std::array<char, 65536> buffer;
+  while (true) {
+    const ssize_t count = ::read(descriptor.get(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse("read", file);
+    if (count == 0) return text;
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+void write_text_file(const std::filesystem::path& file, std::string_view text) {
+  const std::filesystem::path temporary = file.string() + ".part";
+  {
+    const Descriptor descriptor(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+    if (descriptor.get() < 0) refuse("write", file);
+    while (!text.empty()) {
+      const ssize_t count = ::write(descriptor.get(), text.data(), text.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) refuse("write", file);
+      text.remove_prefix(static_cast<std::size_t>(count));
+    }
+    if (::fsync(descriptor.get()) != 0) refuse("write", file);
+  }
+  if (::rename(temporary.c_str(), file.c_str()) != 0) refuse("write", file);
+}
+
+}  // namespace aloft::experiment

@@ -1,0 +1,58 @@
+#include "common/experiment/world_parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/base/digest.hpp"
+#include "common/base/error.hpp"
+#include "common/experiment/text_file.hpp"
+#include "common/world/measured_flight.hpp"
+
+namespace aloft::experiment {
+namespace {
+
+std::filesystem::path locate(const std::filesystem::path& given, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  const bool beside_experiment = given.is_relative() && !std::filesystem::exists(given, ignored) &&
+                                 std::filesystem::exists(folder / given, ignored);
+  return std::filesystem::absolute(beside_experiment ? folder / given : given).lexically_normal();
+}
+
+}  // namespace
+
+std::span<const ParameterSpec> measured_world_parameters() {
+  static const std::vector<ParameterSpec> table{
+      text_parameter("file", "", "Path of the CSV file with the measured flight."),
+      text_parameter("file_sha256", "", "SHA-256 that the file must have; filled in when an experiment is resolved."),
+  };
+  return table;
+}
+
+Parameters resolve_measured_world(const nlohmann::json& given, std::string_view where, const FileAccess& files) {
+  const Parameters checked(measured_world_parameters(), given, where);
+  const std::string& expected = checked.text("file_sha256");
+  if (checked.text("file").empty())
+    throw InputError(fmt::format("{}.file: missing; give the path of a CSV file with the measured flight", where));
+  const std::filesystem::path file = locate(checked.text("file"), files.folder);
+  nlohmann::json resolved{{"file", file.string()}, {"file_sha256", expected}};
+  if (files.always_read || expected.empty()) {
+    try {
+      const std::string csv = read_text_file(file);
+      const std::string sha256 = sha256_hex(csv);
+      if (!expected.empty() && sha256 != expected)
+        throw InputError(
+            fmt::format("{}: its SHA-256 is {}, but the experiment was resolved with {}; use the original "
+                        "file, or remove file_sha256 to take this one",
+                        file.string(), sha256, expected));
+      (void)world::parse_measured_flight(csv, file.string());
+      resolved["file_sha256"] = sha256;
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}.file: {}", where, error.what()));
+    }
+  }
+  return Parameters(measured_world_parameters(), resolved, where);
+}
+
+}  // namespace aloft::experiment

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string_view>
+
+#include "common/base/parameters.hpp"
+
+namespace aloft::experiment {
+
+/// How files named in an experiment are found and used.
+struct FileAccess {
+  std::filesystem::path folder;  ///< relative paths that do not exist are looked for here
+  bool always_read = true;       ///< false: a file whose SHA-256 is already known is not touched
+};
+
+/// Of a world of kind "measured": the file and the SHA-256 of what it held when the experiment was resolved.
+[[nodiscard]] std::span<const ParameterSpec> measured_world_parameters();
+
+/// A measured world with the path made absolute and the SHA-256 filled in. Throws InputError if the file cannot be
+/// read, is ill-formed (line, column, reason), or has changed since the SHA-256 was noted.
+[[nodiscard]] Parameters resolve_measured_world(const nlohmann::json& given, std::string_view where,
+                                                const FileAccess& files);
+
+}  // namespace aloft::experiment

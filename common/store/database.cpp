@@ -1,0 +1,166 @@
+#include "common/store/database.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "common/store/result_store.hpp"
+
+namespace aloft::store {
+namespace {
+
+constexpr int application_id = 0x416C6F66;  // "Alof"; `file results.sqlite` shows it
+constexpr int schema_version = 1;
+constexpr int busy_timeout_ms = 5000;
+constexpr std::uintmax_t no_room_bytes = 1U << 20U;
+
+// `id` is (condition * trials + trial) * agents + agent: canonical order, and no second index that could disagree.
+// `seal` is a hash of the rest of its row: SQLite itself does not notice a changed number.
+constexpr const char* schema = R"(
+CREATE TABLE experiment (
+  one INTEGER PRIMARY KEY CHECK (one = 1),
+  id TEXT NOT NULL,
+  canonical TEXT NOT NULL,
+  canonical_sha256 TEXT NOT NULL,
+  build TEXT NOT NULL
+) STRICT;
+CREATE TABLE flight (
+  id INTEGER PRIMARY KEY,
+  condition INTEGER NOT NULL,
+  trial INTEGER NOT NULL,
+  agent TEXT NOT NULL,
+  qos_mean REAL NOT NULL,
+  height_mean_m REAL NOT NULL,
+  height_changes INTEGER NOT NULL,
+  digest TEXT NOT NULL,
+  seal INTEGER NOT NULL
+) STRICT;
+CREATE TABLE trace (
+  flight INTEGER PRIMARY KEY,
+  bytes BLOB NOT NULL
+) STRICT;
+)";
+
+int pragma(SQLite::Database& database, const char* name) {
+  return database.execAndGet(fmt::format("PRAGMA {}", name)).getInt();
+}
+
+bool disk_is_full(const std::filesystem::path& file) {
+  std::error_code failed;
+  const auto space = std::filesystem::space(file.parent_path(), failed);
+  return !failed && space.available < no_room_bytes;
+}
+
+void create_schema(SQLite::Database& database) {
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  database.exec(schema);
+  database.exec(fmt::format("PRAGMA application_id = {}", application_id));
+  database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
+  transaction.commit();
+}
+
+void check_identity(SQLite::Database& database, const std::filesystem::path& file) {
+  if (pragma(database, "application_id") != application_id)
+    throw InputError(fmt::format("'{}' is a database of another program; use another folder", file.string()));
+  if (const int version = pragma(database, "user_version"); version != schema_version)
+    throw InputError(
+        fmt::format("'{}' has format {}, this program reads format {}; use the version of Aloft that wrote "
+                    "it, or another folder",
+                    file.string(), version, schema_version));
+}
+
+void check_structure(SQLite::Database& database, const std::filesystem::path& file) {
+  const std::string found = database.execAndGet("PRAGMA quick_check(1)").getString();
+  if (found != "ok") refuse_damaged(file, found);
+}
+
+/// WAL, so that readers never wait; FULL, so that a committed flight survives a power loss.
+void set_up_writing(SQLite::Database& database) {
+  database.exec("PRAGMA journal_mode = WAL");
+  database.exec("PRAGMA synchronous = FULL");
+  database.exec("PRAGMA wal_autocheckpoint = 4000");
+}
+
+std::unique_ptr<SQLite::Database> open_for_writing(const std::filesystem::path& file) {
+  auto database =
+      std::make_unique<SQLite::Database>(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE, busy_timeout_ms);
+  const bool is_new = database->execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0 &&
+                      pragma(*database, "application_id") == 0;
+  if (is_new) {
+    set_up_writing(*database);
+    create_schema(*database);
+    return database;
+  }
+  check_identity(*database, file);
+  check_structure(*database, file);
+  set_up_writing(*database);
+  return database;
+}
+
+/// A folder that cannot be written, such as a mounted archive, has no room for the shared memory of the WAL mode. Then
+/// nobody else writes either.
+std::unique_ptr<SQLite::Database> open_for_reading(const std::filesystem::path& file) {
+  try {
+    auto database = std::make_unique<SQLite::Database>(file.string(), SQLite::OPEN_READONLY, busy_timeout_ms);
+    (void)pragma(*database, "application_id");
+    return database;
+  } catch (const SQLite::Exception& error) {
+    const bool read_only_folder = ::access(file.parent_path().c_str(), W_OK) != 0;
+    if (!read_only_folder || std::filesystem::exists(file.string() + "-wal")) throw;
+    return std::make_unique<SQLite::Database>(fmt::format("file:{}?immutable=1", file.string()),
+                                              SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access) {
+  return with_errors_of(file, [&] {
+    if (access == Access::write) return open_for_writing(file);
+    auto database = open_for_reading(file);
+    check_identity(*database, file);
+    check_structure(*database, file);
+    return database;
+  });
+}
+
+void rethrow(const SQLite::Exception& error, const std::filesystem::path& file) {
+  const int code = error.getErrorCode();
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) refuse_damaged(file, error.what());
+  if (code == SQLITE_FULL || (code == SQLITE_IOERR && disk_is_full(file)))
+    throw StoreFull(fmt::format("the disk that holds '{}' is full; make room there", file.string()));
+  if (code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM)
+    throw InputError(fmt::format("cannot open '{}': {}; check that the folder exists and may be written", file.string(),
+                                 error.what()));
+  throw std::runtime_error(fmt::format("'{}': {}", file.string(), error.what()));
+}
+
+void refuse_damaged(const std::filesystem::path& file, std::string_view what) {
+  throw IntegrityError(fmt::format(
+      "'{}' is damaged: {}. Nothing in it is trusted. Restore the folder from a copy, or move it away and run the same "
+      "command again: the same experiment gives the same results",
+      file.string(), what));
+}
+
+WriterLock::WriterLock(const std::filesystem::path& dir)
+    : fd_(::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  // File systems without such locks are taken as they are.
+  if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(fd_);
+  throw InputError(
+      fmt::format("'{}' is being written by another Aloft process; wait for it, stop it, or use another "
+                  "folder for --out",
+                  dir.string()));
+}
+
+WriterLock::~WriterLock() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+}  // namespace aloft::store

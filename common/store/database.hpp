@@ -1,0 +1,46 @@
+#pragma once
+
+#include <SQLiteCpp/SQLiteCpp.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace aloft::store {
+
+enum class Access : std::uint8_t { read, write };
+
+/// Opens (writing: or creates) a result database and checks its structure. Throws InputError if it is not ours or
+/// cannot be opened, IntegrityError with a hint if it is damaged.
+[[nodiscard]] std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access);
+
+/// Turns what SQLite reports into our errors: IntegrityError, StoreFull, InputError, or std::runtime_error.
+[[noreturn]] void rethrow(const SQLite::Exception& error, const std::filesystem::path& file);
+
+/// What to do about a damaged database; `what` is wrong with it.
+[[noreturn]] void refuse_damaged(const std::filesystem::path& file, std::string_view what);
+
+/// Runs `work` with rethrow.
+template <typename Work>
+decltype(auto) with_errors_of(const std::filesystem::path& file, Work&& work) {
+  try {
+    return work();
+  } catch (const SQLite::Exception& error) {
+    rethrow(error, file);
+  }
+}
+
+/// Only one process may write into a result folder; readers do not care. Held until destroyed, or the process dies.
+class WriterLock {
+ public:
+  /// Throws InputError if another process holds it.
+  explicit WriterLock(const std::filesystem::path& dir);
+  ~WriterLock();
+  WriterLock(const WriterLock&) = delete;
+  WriterLock& operator=(const WriterLock&) = delete;
+
+ private:
+  int fd_;
+};
+
+}  // namespace aloft::store

@@ -1,0 +1,291 @@
+#include "common/store/result_store.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <stdexcept>
+
+#include "common/base/build_info.hpp"
+#include "common/base/digest.hpp"
+#include "common/base/error.hpp"
+#include "common/experiment/identity.hpp"
+#include "common/experiment/summary.hpp"
+#include "common/experiment/text_file.hpp"
+#include "common/store/database.hpp"
+
+namespace aloft::store {
+namespace {
+
+using experiment::Experiment;
+using experiment::FlightKey;
+
+constexpr const char* database_name = "results.sqlite";
+
+std::size_t agent_index(const Experiment& experiment, std::string_view name) {
+  const auto& agents = experiment.agents;
+  const auto at = std::find_if(agents.begin(), agents.end(), [&](const auto& agent) { return agent.name == name; });
+  return static_cast<std::size_t>(at - agents.begin());
+}
+
+/// Position in canonical order.
+std::int64_t row_id(const Experiment& experiment, const FlightKey& key) {
+  const std::size_t agent = agent_index(experiment, key.agent);
+  if (key.condition >= experiment.conditions.size() || key.trial >= experiment.trials ||
+      agent == experiment.agents.size())
+    throw std::logic_error(fmt::format("experiment '{}' has no flight (condition {}, trial {}, agent '{}')",
+                                       experiment.name, key.condition, key.trial, key.agent));
+  const std::uint64_t trial = std::uint64_t{key.condition} * experiment.trials + key.trial;
+  return static_cast<std::int64_t>(trial * experiment.agents.size() + agent);
+}
+
+std::int64_t seal_of(std::int64_t id, const FlightSummary& flight) {
+  const std::string row =
+      fmt::format("{} {} {} {} {} {} {} {}", id, flight.key.condition, flight.key.trial, flight.key.agent,
+                  std::bit_cast<std::uint64_t>(flight.qos_mean), std::bit_cast<std::uint64_t>(flight.height_mean_m),
+                  flight.height_changes, flight.digest);
+  return std::bit_cast<std::int64_t>(sha256_id(row));
+}
+
+/// Lost and mistaken folders look alike: never start a run among files that are not results.
+void check_is_empty(const std::filesystem::path& dir) {
+  for (const auto& entry : std::filesystem::directory_iterator(dir)) {
+    const std::string name = entry.path().filename().string();
+    if (name == "log" || name == "lost+found" || name.starts_with(database_name)) continue;
+    throw InputError(fmt::format("'{}' holds other files ('{}'), but no results; use an empty or new folder for --out",
+                                 dir.string(), name));
+  }
+}
+
+void make_folder(const std::filesystem::path& dir) {
+  try {
+    std::filesystem::create_directories(dir);
+    if (!std::filesystem::exists(dir / database_name)) check_is_empty(dir);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw InputError(
+        fmt::format("cannot use the folder '{}': {}; use another one for --out", dir.string(), error.code().message()));
+  }
+}
+
+std::string resolved_file(const Experiment& experiment) {
+  nlohmann::json resolved = experiment.canonical;
+  resolved["build"] = std::string(build_id());
+  return resolved.dump(2) + "\n";
+}
+
+}  // namespace
+
+struct ResultStore::State {
+  State(const std::filesystem::path& dir, Access access)
+      : file(dir / database_name),
+        lock(access == Access::write ? std::make_unique<WriterLock>(dir) : nullptr),
+        database(open_database(file, access)) {}
+
+  std::filesystem::path file;
+  std::unique_ptr<WriterLock> lock;
+  std::unique_ptr<SQLite::Database> database;
+  Experiment experiment;
+  bool batch_open = false;
+  // Statements that every flight needs, prepared once.
+  std::unique_ptr<SQLite::Statement> find_digest;
+  std::unique_ptr<SQLite::Statement> insert_flight;
+  std::unique_ptr<SQLite::Statement> insert_trace;
+
+  void prepare() {
+    find_digest = std::make_unique<SQLite::Statement>(*database, "SELECT digest FROM flight WHERE id = ?");
+    insert_flight =
+        std::make_unique<SQLite::Statement>(*database, "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    insert_trace = std::make_unique<SQLite::Statement>(*database, "INSERT INTO trace VALUES (?, ?)");
+  }
+
+  /// The canonical experiment in the database; empty if there is none yet.
+  [[nodiscard]] std::string stored_canonical() const {
+    SQLite::Statement query(*database, "SELECT canonical, canonical_sha256 FROM experiment");
+    if (!query.executeStep()) return {};
+    std::string canonical = query.getColumn(0).getString();
+    if (sha256_hex(canonical) != query.getColumn(1).getString()) refuse_damaged(file, "the experiment was altered");
+    return canonical;
+  }
+
+  void store_experiment() const {
+    const std::string canonical = experiment.canonical.dump();
+    SQLite::Statement insert(*database, "INSERT INTO experiment VALUES (1, ?, ?, ?, ?)");
+    insert.bind(1, experiment.id);
+    insert.bind(2, canonical);
+    insert.bind(3, sha256_hex(canonical));
+    insert.bind(4, std::string(build_id()));
+    insert.exec();
+  }
+
+  Stored add(const FlightKey& key, std::string_view trace);
+  [[nodiscard]] FlightSummary summary_at(SQLite::Statement& row) const;
+  template <typename Visit>
+  void for_each_flight(Visit&& visit) const;
+};
+
+Stored ResultStore::State::add(const FlightKey& key, std::string_view trace) {
+  const std::int64_t id = row_id(experiment, key);
+  const std::string digest = sha256_hex(trace);
+  find_digest->reset();
+  find_digest->bind(1, id);
+  if (find_digest->executeStep()) {
+    const std::string before = find_digest->getColumn(0).getString();
+    find_digest->reset();
+    if (before == digest) return Stored::already_there;
+    throw IntegrityError(fmt::format(
+        "condition {}, trial {}, agent '{}' was flown twice with different results (digests {} and {}); equal flights "
+        "must be equal: are builds or machines mixed in this run?",
+        key.condition, key.trial, key.agent, before, digest));
+  }
+  find_digest->reset();
+  const flight::FlightRecord record = decode_trace(trace);
+  if (record.steps.empty()) throw IntegrityError("a flight without steps is no result");
+  const FlightSummary flight{key, record.qos_mean(), record.height_mean_m(), record.height_changes(), digest};
+
+  SQLite::Statement& row = *insert_flight;
+  row.reset();
+  row.bind(1, id);
+  row.bind(2, key.condition);
+  row.bind(3, key.trial);
+  row.bind(4, key.agent);
+  row.bind(5, flight.qos_mean);
+  row.bind(6, flight.height_mean_m);
+  row.bind(7, flight.height_changes);
+  row.bind(8, digest);
+  row.bind(9, seal_of(id, flight));
+  row.exec();
+  insert_trace->reset();
+  insert_trace->bind(1, id);
+  insert_trace->bindNoCopy(2, trace.data(), static_cast<int>(trace.size()));
+  insert_trace->exec();
+  return Stored::added;
+}
+
+FlightSummary ResultStore::State::summary_at(SQLite::Statement& row) const {
+  FlightSummary flight;
+  flight.key = {row.getColumn(1).getUInt(), row.getColumn(2).getUInt(), row.getColumn(3).getString()};
+  flight.qos_mean = row.getColumn(4).getDouble();
+  flight.height_mean_m = row.getColumn(5).getDouble();
+  flight.height_changes = row.getColumn(6).getUInt();
+  flight.digest = row.getColumn(7).getString();
+  const std::int64_t id = row.getColumn(0).getInt64();
+  if (seal_of(id, flight) != row.getColumn(8).getInt64())
+    refuse_damaged(file, fmt::format("row {} of table flight was altered", id));
+  return flight;
+}
+
+template <typename Visit>
+void ResultStore::State::for_each_flight(Visit&& visit) const {
+  with_errors_of(file, [&] {
+    SQLite::Statement rows(*database, "SELECT * FROM flight ORDER BY id");
+    while (rows.executeStep()) visit(summary_at(rows));
+  });
+}
+
+ResultStore::ResultStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ResultStore::ResultStore(ResultStore&&) noexcept = default;
+ResultStore::~ResultStore() = default;
+
+ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, const Experiment& experiment) {
+  make_folder(dir);
+  auto state = std::make_unique<State>(dir, Access::write);
+  state->experiment = experiment;
+  with_errors_of(state->file, [&] {
+    const std::string stored = state->stored_canonical();
+    if (stored.empty()) {
+      state->store_experiment();
+    } else if (const auto there = nlohmann::json::parse(stored); experiment::id_of(there) != experiment.id) {
+      throw InputError(
+          fmt::format("'{}' holds the results of another experiment ({} in there against here); use "
+                      "another folder for --out",
+                      dir.string(), experiment::describe_difference(there, experiment.canonical)));
+    }
+    state->prepare();
+  });
+  if (!std::filesystem::exists(dir / "experiment.json"))
+    experiment::write_text_file(dir / "experiment.json", resolved_file(experiment));
+  return ResultStore(std::move(state));
+}
+
+ResultStore ResultStore::open_for_reading(const std::filesystem::path& dir) {
+  if (!std::filesystem::exists(dir / database_name))
+    throw InputError(fmt::format("'{}' is no result folder: it has no {}; give the folder that was --out of a run",
+                                 dir.string(), database_name));
+  auto state = std::make_unique<State>(dir, Access::read);
+  const std::string stored = with_errors_of(state->file, [&] { return state->stored_canonical(); });
+  if (stored.empty()) throw InputError(fmt::format("'{}' holds no results yet", dir.string()));
+  state->experiment = experiment::parse(stored, state->file.string());
+  return ResultStore(std::move(state));
+}
+
+const Experiment& ResultStore::experiment() const noexcept {
+  return state_->experiment;
+}
+
+Stored ResultStore::add(const FlightKey& key, std::string_view encoded_trace) {
+  if (state_->batch_open) return with_errors_of(state_->file, [&] { return state_->add(key, encoded_trace); });
+  Stored stored{};
+  batch([&] { stored = add(key, encoded_trace); });
+  return stored;
+}
+
+void ResultStore::batch(const std::function<void()>& work) {
+  if (state_->batch_open) throw std::logic_error("a batch inside a batch");
+  struct Closing {
+    bool& open;
+    ~Closing() { open = false; }
+  } closing{state_->batch_open};
+  with_errors_of(state_->file, [&] {
+    SQLite::Transaction transaction(*state_->database, SQLite::TransactionBehavior::IMMEDIATE);
+    state_->batch_open = true;
+    work();
+    transaction.commit();
+  });
+}
+
+std::set<FlightKey> ResultStore::keys() const {
+  std::set<FlightKey> keys;
+  state_->for_each_flight([&](FlightSummary flight) { keys.insert(std::move(flight.key)); });
+  return keys;
+}
+
+std::vector<FlightSummary> ResultStore::flights() const {
+  std::vector<FlightSummary> flights;
+  state_->for_each_flight([&](FlightSummary flight) { flights.push_back(std::move(flight)); });
+  return flights;
+}
+
+std::string ResultStore::trace(const FlightKey& key) const {
+  const std::int64_t id = row_id(state_->experiment, key);
+  return with_errors_of(state_->file, [&] {
+    SQLite::Statement query(
+        *state_->database,
+        "SELECT flight.*, bytes FROM flight JOIN trace ON trace.flight = flight.id WHERE flight.id = ?");
+    query.bind(1, id);
+    if (!query.executeStep())
+      throw InputError(fmt::format("condition {}, trial {}, agent '{}' is not among the results in '{}'", key.condition,
+                                   key.trial, key.agent, state_->file.parent_path().string()));
+    const FlightSummary flight = state_->summary_at(query);
+    std::string bytes = query.getColumn(9).getString();
+    if (sha256_hex(bytes) != flight.digest)
+      refuse_damaged(state_->file, fmt::format("row {} of table trace was altered", id));
+    return bytes;
+  });
+}
+
+std::string ResultStore::digest() const {
+  Digest digest;
+  state_->for_each_flight([&](const FlightSummary& flight) {
+    digest.add(fmt::format("{} {} {} {}\n", flight.key.condition, flight.key.trial, flight.key.agent, flight.digest));
+  });
+  return digest.hex();
+}
+
+nlohmann::ordered_json summarise(const ResultStore& results) {
+  std::vector<experiment::FlightScore> scores;
+  for (FlightSummary& flight : results.flights())
+    scores.push_back({std::move(flight.key), flight.qos_mean, flight.height_mean_m, flight.height_changes});
+  return experiment::summarise(results.experiment(), scores, build_id());
+}
+
+}  // namespace aloft::store

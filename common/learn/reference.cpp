@@ -1,5 +1,6 @@
 #include "common/learn/reference.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

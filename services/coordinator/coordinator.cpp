@@ -8,21 +8,16 @@
 #include <cmath>
 #include <utility>
 
-#include "common/base/error.hpp"
-
 namespace aloft::coordinator {
 namespace {
 
-constexpr std::size_t max_agents = 64;   // as many as an assignment can name
-constexpr std::size_t names_listed = 4;  // in messages
-constexpr double rate_memory_s = 5.0;    // of the moving averages
+constexpr std::size_t names_listed = 4;                // in messages
+constexpr double rate_memory_s = 5.0;                  // of the moving averages
+constexpr auto pause_shown = std::chrono::seconds(3);  // after the collector's last word about it
 constexpr auto trouble_shown = std::chrono::seconds(20);
 
 LedgerOptions ledger_options(const experiment::Experiment& experiment, const CoordinatorOptions& options,
                              std::uint32_t first_grant) {
-  if (experiment.agents.size() > max_agents)
-    throw InputError(fmt::format("{}: \"agents\" names {} agents; allowed: 1 to {}; split the experiment",
-                                 experiment.name, experiment.agents.size(), max_agents));
   LedgerOptions ledger;
   ledger.conditions = static_cast<std::uint32_t>(experiment.conditions.size());
   ledger.trials = experiment.trials;
@@ -92,6 +87,11 @@ bool Coordinator::on_flight_stored(const experiment::FlightKey& flight, Clock::t
     stored_at_ = now;
   }
   return true;
+}
+
+void Coordinator::on_collector_paused(std::string why, Clock::time_point now) {
+  collector_paused_ = std::move(why);
+  collector_paused_at_ = now;
 }
 
 std::vector<Order> Coordinator::tick(Clock::time_point now) {
@@ -174,6 +174,7 @@ std::string Coordinator::missing_agents(std::uint32_t condition, std::uint32_t t
 
 /// Whom we wait for, or nothing.
 std::string Coordinator::waiting_for(Clock::time_point now) const {
+  if (!collector_paused_.empty() && now - collector_paused_at_ < pause_shown) return collector_paused_;
   if (workers_.empty()) {
     const auto silence = now - worker_seen_;
     return silence < options_.patience

@@ -70,6 +70,9 @@ class Coordinator {
   /// False if the experiment has no such flight.
   bool on_flight_stored(const experiment::FlightKey& flight, Clock::time_point now);
 
+  /// The collector cannot store for the moment; to be repeated as long as that is so.
+  void on_collector_paused(std::string why, Clock::time_point now);
+
   /// Notices silent workers and hands out leases; what has to be sent.
   [[nodiscard]] std::vector<Order> tick(Clock::time_point now);
 
@@ -117,6 +120,8 @@ class Coordinator {
   Clock::time_point stored_at_;    // last time that a flight was stored, or that none waited for it
   std::string trouble_;
   Clock::time_point trouble_at_;
+  std::string collector_paused_;
+  Clock::time_point collector_paused_at_;
   Rate flights_;
   Rate steps_;
   Clock::time_point rates_at_;

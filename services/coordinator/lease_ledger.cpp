@@ -185,9 +185,10 @@ bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
 }
 
 std::uint32_t LeaseLedger::next_trial_for(std::uint32_t worker) const noexcept {
+  const bool alone = names_.size() == 1;
   std::uint32_t retry = retry_.front();
   for (int looked_at = 0; retry != none && looked_at < retries_looked_at; ++looked_at, retry = links_[retry].next)
-    if (slots_[retry].worker != worker) return retry;
+    if (alone || slots_[retry].worker != worker) return retry;
   return fresh_.empty() ? retry_.front() : fresh_.front();
 }
 

@@ -124,11 +124,19 @@ TEST_CASE("a trial that fails is tried max_attempts times, elsewhere if possible
 TEST_CASE("a failed trial waits for another worker while there are fresh trials", "[ledger]") {
   LeaseLedger ledger({.trials = 3});
   beat(ledger, "w0", start);
+  beat(ledger, "w1", start, {}, 0);
   const Lease first = must_grant(ledger);
   ledger.lease_failed(first.id, "reason");
   const Lease next = must_grant(ledger);
   CHECK(next.trial == 1);
   beat(ledger, "w1", start);
+  CHECK(must_grant(ledger).trial == 0);
+}
+
+TEST_CASE("a failed trial does not wait if there is no other worker", "[ledger]") {
+  LeaseLedger ledger({.trials = 3});
+  beat(ledger, "w0", start);
+  ledger.lease_failed(must_grant(ledger).id, "reason");
   CHECK(must_grant(ledger).trial == 0);
 }
 

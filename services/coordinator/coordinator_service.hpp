@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "services/coordinator/coordinator.hpp"
+#include "services/runtime/service.hpp"
+
+namespace aloft::coordinator {
+
+struct ServiceOptions {
+  std::filesystem::path experiment;  ///< canonical JSON
+  std::filesystem::path results;     ///< folder of results.sqlite
+  CoordinatorOptions coordinator;
+  double give_up_after_s = 0.0;  ///< without any worker; 0: wait for ever, and say so
+};
+
+/// Runs the experiment over the bus until every flight is stored or a stop is requested. InputError if the experiment
+/// or the results cannot be used; std::runtime_error naming the trials that failed, or the collector's failure.
+void coordinate(runtime::Service& service, const ServiceOptions& options);
+
+}  // namespace aloft::coordinator

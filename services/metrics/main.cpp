@@ -1,0 +1,20 @@
+#include <CLI/CLI.hpp>
+
+#include "services/metrics/metrics_service.hpp"
+
+int main(int argc, char** argv) {
+  aloft::metrics::ServiceOptions options;
+  return aloft::runtime::run_service(
+      argc, argv, {"aloft-metrics", "Stores every finished flight of a run in a result folder.", false},
+      [&options](CLI::App& app) {
+        app.add_option("--experiment", options.experiment,
+                       "Experiment as canonical JSON (experiment.json of a result folder)")
+            ->required();
+        app.add_option("--results", options.results, "Result folder, made or continued")->required();
+        app.add_option(
+               "--http-port", options.http_port,
+               "Serve /healthz, /status and /metrics on 127.0.0.1; 0: any free port (see the log); none: do not")
+            ->check(CLI::Range(0, 65535));
+      },
+      [&options](aloft::runtime::Service& service) { aloft::metrics::collect(service, options); });
+}

@@ -1,0 +1,203 @@
+#include "services/metrics/metrics_service.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "common/bus/endpoint.hpp"
+#include "common/bus/waiter.hpp"
+#include "services/metrics/collector.hpp"
+#include "services/metrics/http_server.hpp"
+#include "services/metrics/status_board.hpp"
+
+namespace aloft::metrics {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto idle_time = 500ms;
+constexpr auto say_again_time = 10s;
+constexpr auto pause_news_time = 1s;
+constexpr auto farewell_time = 1s;
+
+std::string read_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(fmt::format("--experiment {}: cannot be read", file.string()));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+Record to_record(const wire::EpisodeRecord& sample) {
+  Record record;
+  record.experiment_id = wire::view(sample.experiment_id());
+  record.episode_id = sample.episode_id();
+  record.key = {sample.condition(), sample.trial(), std::string(wire::view(sample.agent()))};
+  record.worker = wire::view(sample.worker());
+  record.trace = wire::view(sample.trace());
+  return record;
+}
+
+/// A collector with a bus around it.
+class Conversation {
+ public:
+  Conversation(runtime::Service& service, const ServiceOptions& options, const experiment::Experiment& experiment)
+      : stop_(service.stop),
+        experiment_(experiment),
+        store_(store::ResultStore::open_for_writing(options.results, experiment)),
+        board_(experiment, service.bus.run),
+        collector_(experiment, commit_to(store_), instruments_),
+        participant_(service.bus),
+        waiter_(service.stop) {
+    records_.expect_experiment(experiment.id);
+    controls_.expect_experiment(experiment.id);
+    workers_.expect_experiment(experiment.id);
+    runs_.expect_experiment(experiment.id);
+    waiter_.add(records_);
+    waiter_.add(controls_);
+    if (options.http_port) serve_http(*options.http_port);
+    tell_collector(wire::COLLECTOR_STORING, "");
+  }
+
+  void run() {
+    while (!stop_.requested() && !over_) {
+      waiter_.wait(time_to_wait());
+      listen();
+      store_due(false);
+      publish();
+    }
+    listen();
+    store_due(true);
+    confirmations_.wait_acknowledged(farewell_time);
+    if (!collector_.paused_because().empty())
+      spdlog::warn("ends while {}; they will be sent again to the next aloft-metrics", collector_.paused_because());
+  }
+
+ private:
+  void serve_http(int port) {
+    http_ = std::make_unique<HttpServer>(
+        port,
+        std::map<std::string, HttpServer::Handler>{
+            {"/healthz", [this] { return board_.health(Clock::now()); }},
+            {"/status",
+             [this] {
+               return HttpResponse{200, "application/json", board_.status_json()};
+             }},
+            {"/metrics", [this] {
+               return HttpResponse{200, "text/plain; version=0.0.4; charset=utf-8", instruments_.prometheus_text()};
+             }}});
+    spdlog::info("http://127.0.0.1:{}/status, /metrics and /healthz are up", http_->port());
+  }
+
+  [[nodiscard]] std::chrono::milliseconds time_to_wait() const {
+    const auto due = collector_.next_due();
+    if (!due) return idle_time;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*due - Clock::now());
+    return std::clamp(left, std::chrono::milliseconds(0), std::chrono::milliseconds(idle_time));
+  }
+
+  void listen() {
+    records_.drain([this](const wire::EpisodeRecord& sample) {
+      if (const auto refused = collector_.offer(to_record(sample), Clock::now())) warn_sometimes(*refused);
+      // A burst must not make the first of it wait for the last.
+      if (const auto due = collector_.next_due(); due && *due <= Clock::now()) store_due(false);
+    });
+    workers_.drain([this](const wire::WorkerStatus& status) { board_.on_worker(status); });
+    runs_.drain([this](const wire::RunStatus& status) {
+      board_.on_run(status);
+      instruments_.set_progress(static_cast<double>(status.flights_total()), status.workers_alive());
+    });
+    controls_.drain([this](const wire::RunControl& control) { over_ = over_ || control.state() != wire::RUN_RUNNING; });
+  }
+
+  void store_due(bool flush) {
+    try {
+      for (const Acknowledgement& done : collector_.commit_due(Clock::now(), flush)) confirm(done);
+    } catch (const IntegrityError& error) {
+      tell_collector(wire::COLLECTOR_FAILED, error.what());
+      collector_news_.wait_acknowledged(farewell_time);
+      throw;
+    }
+  }
+
+  void confirm(const Acknowledgement& done) {
+    wire::EpisodeStored stored;
+    stored.experiment_id(wire::experiment_id(experiment_.id));
+    stored.episode_id(done.episode_id);
+    stored.condition(done.key.condition);
+    stored.trial(done.key.trial);
+    stored.agent(wire::name(done.key.agent));
+    stored.digest(wire::name(done.digest));
+    confirmations_.write(stored);
+  }
+
+  /// Tells the coordinator and the HTTP side how we are.
+  void publish() {
+    const auto now = Clock::now();
+    const std::string& paused = collector_.paused_because();
+    board_.on_tick(now, paused);
+    instruments_.set_samples_dropped(static_cast<double>(participant_.drops()));
+    if (paused.empty() && was_paused_) {
+      spdlog::warn("stores again");
+      tell_collector(wire::COLLECTOR_STORING, "");
+    } else if (!paused.empty() && (!was_paused_ || now - told_at_ >= pause_news_time)) {
+      tell_collector(wire::COLLECTOR_PAUSED, paused);
+      told_at_ = now;
+      if (!was_paused_ || now - said_at_ >= say_again_time) {
+        spdlog::warn("{}; free some space, trying again every second", paused);
+        said_at_ = now;
+      }
+    }
+    was_paused_ = !paused.empty();
+  }
+
+  void tell_collector(wire::CollectorState state, std::string_view message) {
+    wire::CollectorStatus status;
+    status.experiment_id(wire::experiment_id(experiment_.id));
+    status.state(state);
+    status.message(wire::message(message));
+    collector_news_.write(status);
+  }
+
+  /// A channel sends a refused record again every few seconds: say it once in a while.
+  void warn_sometimes(const std::string& refused) {
+    const auto now = Clock::now();
+    if (now - refused_at_ < say_again_time) return;
+    refused_at_ = now;
+    spdlog::warn("{}", refused);
+  }
+
+  bus::StopSignal& stop_;
+  const experiment::Experiment& experiment_;
+  store::ResultStore store_;
+  Instruments instruments_;
+  StatusBoard board_;
+  Collector collector_;
+  bus::Participant participant_;
+  bus::Waiter waiter_;
+  bus::Writer<wire::EpisodeStored> confirmations_{participant_};
+  bus::Writer<wire::CollectorStatus> collector_news_{participant_};
+  bus::Reader<wire::EpisodeRecord> records_{participant_};
+  bus::Reader<wire::RunControl> controls_{participant_};
+  bus::Reader<wire::WorkerStatus> workers_{participant_};
+  bus::Reader<wire::RunStatus> runs_{participant_};
+  std::unique_ptr<HttpServer> http_;
+  bool over_ = false;
+  bool was_paused_ = false;
+  Clock::time_point told_at_;
+  Clock::time_point said_at_;
+  Clock::time_point refused_at_;
+};
+
+}  // namespace
+
+void collect(runtime::Service& service, const ServiceOptions& options) {
+  const experiment::Experiment experiment =
+      experiment::parse(read_file(options.experiment), options.experiment.string());
+  Conversation(service, options, experiment).run();
+}
+
+}  // namespace aloft::metrics

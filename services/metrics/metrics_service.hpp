@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "services/runtime/service.hpp"
+
+namespace aloft::metrics {
+
+struct ServiceOptions {
+  std::filesystem::path experiment;  ///< canonical JSON
+  std::filesystem::path results;     ///< folder of results.sqlite
+  std::optional<int> http_port;      ///< on 127.0.0.1; 0: any free one
+};
+
+/// Stores what the channels report until the run ends or a stop is requested. InputError if the experiment, the results
+/// or the port cannot be used; IntegrityError if a flight comes with two different traces.
+void collect(runtime::Service& service, const ServiceOptions& options);
+
+}  // namespace aloft::metrics

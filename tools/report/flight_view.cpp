@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/experiment/trial_world.hpp"
+#include "common/world/city.hpp"
 #include "tools/report/statistics_view.hpp"
 #include "tools/report/trials.hpp"
 
@@ -88,6 +89,26 @@ json quality_map(radio::SignalMap& map, const flight::FlightRecord& record, doub
   return {{"height_m", std::move(heights)}, {"qos", std::move(columns)}};
 }
 
+/// What stands on the ground; the same city that the trial's signal map was made from.
+json city_view(const experiment::Experiment& experiment, const experiment::Condition& condition, std::uint32_t trial) {
+  if (condition.kind != experiment::WorldKind::generated) return nullptr;
+  const world::City city = world::generate_city(condition.world, experiment.seed, trial);
+  json stations = json::array();
+  for (const world::Position& station : city.base_stations)
+    stations.push_back({std::round(station.x_m), std::round(station.y_m)});
+  json buildings = json::array();
+  for (std::uint32_t iy = 0; iy < city.buildings_y; ++iy)
+    for (std::uint32_t ix = 0; ix < city.buildings_x; ++ix) {
+      const world::Position centre = city.building_centre(ix, iy);
+      buildings.push_back({std::round(centre.x_m), std::round(centre.y_m),
+                           std::round(city.building_height_m[iy * city.buildings_x + ix])});
+    }
+  return {{"building_width_m", city.building_width_m},
+          {"base_station_height_m", city.base_station_height_m},
+          {"base_stations", std::move(stations)},
+          {"buildings", std::move(buildings)}};
+}
+
 }  // namespace
 
 std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, std::uint32_t condition,
@@ -114,7 +135,7 @@ nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t cond
             {"height_step_m", grid.height_step_m},
             {"agents", json::array()},
             {"map", quality_map(*map, flights.back().record, scale)},
-            {"city", nullptr}};
+            {"city", city_view(experiment, experiment.conditions.at(condition), trial)}};
   for (const flight::StepRecord& step : flights.back().record.steps) view["step"].push_back(step.step);
   for (const Flown& flown : flights) view["agents"].push_back(agent_track(flown, scale));
   return view;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/base/random.hpp"
 #include "tools/report/resampling.hpp"
 
 namespace aloft::report {
@@ -43,7 +42,7 @@ void add_box(json& row, const std::vector<double>& sample) {
   row["outliers"] = std::move(outliers);
 }
 
-json gain_over(const AgentTrials& agent, const AgentTrials* reference) {
+json gain_over(const AgentTrials& agent, const AgentTrials* reference, std::uint64_t seed) {
   if (reference == nullptr) return nullptr;
   std::vector<double> ours;
   std::vector<double> theirs;
@@ -56,7 +55,7 @@ json gain_over(const AgentTrials& agent, const AgentTrials* reference) {
   if (differences.empty()) return nullptr;
   return {{"pairs", differences.size()},
           {"mean", rounded(experiment::mean(differences))},
-          {"ci95", as_json(experiment::bootstrap_ci95(differences, name_hash("gain " + agent.name)))},
+          {"ci95", as_json(experiment::bootstrap_ci95(differences, seed))},
           {"probability_of_improvement", rounded(experiment::probability_of_improvement(ours, theirs))}};
 }
 
@@ -90,15 +89,15 @@ json agent_row(const ConditionTrials& condition, const AgentTrials& agent, const
   json row{{"name", agent.name},
            {"trials", agent.trials.size()},
            {"mean", rounded(experiment::mean(agent.qos))},
-           {"ci95", as_json(experiment::bootstrap_ci95(agent.qos, name_hash("mean " + agent.name)))},
+           {"ci95", as_json(experiment::bootstrap_ci95(agent.qos, condition.seed))},
            {"iqm", rounded(experiment::interquartile_mean(agent.qos))},
-           {"iqm_ci95", as_json(resampled_ci95(std::span<const double>(agent.qos), name_hash("iqm " + agent.name),
+           {"iqm_ci95", as_json(resampled_ci95(std::span<const double>(agent.qos), condition.seed,
                                                experiment::interquartile_mean))},
            {"height_mean_m", rounded(experiment::mean(agent.height_m))},
-           {"height_ci95_m", as_json(experiment::bootstrap_ci95(agent.height_m, name_hash("height " + agent.name)))},
+           {"height_ci95_m", as_json(experiment::bootstrap_ci95(agent.height_m, condition.seed))},
            {"height_changes_mean", rounded(experiment::mean(agent.height_changes))},
            {"profile", performance_profile(agent.qos, thresholds)},
-           {"gain", gain_over(agent, condition.agent("min-height"))}};
+           {"gain", gain_over(agent, condition.agent("min-height"), condition.seed)}};
   add_box(row, agent.qos);
   return row;
 }

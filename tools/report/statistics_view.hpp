@@ -11,6 +11,7 @@ namespace aloft::report {
 /// "q75", "whiskers": [lo, hi], "outliers": [...], "iqm", "iqm_ci95", "height_mean_m", "height_ci95_m",
 /// "height_changes_mean", "profile": [share of trials above each threshold...],
 /// "gain": null | {"pairs", "mean", "ci95", "probability_of_improvement"}}]}, gain over min-height on the same worlds.
+/// The intervals are seeded like those of summary.json, and equal to them.
 [[nodiscard]] nlohmann::json statistics_view(const ConditionTrials& condition);
 
 /// The value with four decimals at most: the page shows no more, and the file stays small. Null if it is not finite.

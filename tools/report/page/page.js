@@ -133,7 +133,7 @@ function publishedSection() {
 
 function claimsSection() {
   return h('section', {id: 'claims'}, h('h2', {}, 'Published claims'),
-    h('p', {class: 'soft'}, 'Each verdict is computed from the 95 % intervals of this report: supported if every interval lies on the claimed side, contradicted if at least one lies wholly on the other, otherwise the data cannot decide.'),
+    h('p', {class: 'soft'}, 'Each verdict is computed from the 95 % intervals of this report: supported if every interval lies on the claimed side, contradicted if at least one lies wholly on the other, otherwise the data cannot decide. One interval in twenty misses the truth by chance: look at the single comparisons before you quarrel with a verdict that hangs on one of them.'),
     claimsList(data, {view: state.view}));
 }
 

@@ -1,0 +1,124 @@
+#include "tools/report/report_data.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "common/experiment/trial_world.hpp"
+#include "tests/integration/command.hpp"
+#include "tools/report/report.hpp"
+
+using namespace aloft;
+using nlohmann::json;
+
+namespace {
+
+/// A flight of 3 steps and 3 heights, stored in kbit/s; step s at level k gives 1000 s + 100 k.
+constexpr const char* measured_csv =
+    "step,height_m,throughput_kbps\n"
+    "1,20,1000\n1,30,1100\n1,40,1200\n"
+    "2,20,2000\n2,30,2100\n2,40,2200\n"
+    "3,20,3000\n3,30,3100\n3,40,3200\n";
+
+/// Two trials of two agents over that flight, of which those for which `keep` is true are stored.
+class MeasuredRun {
+ public:
+  explicit MeasuredRun(const std::function<bool(const experiment::FlightKey&)>& keep) {
+    test::write_text(dir_ / "gcq.csv", measured_csv);
+    const json document{{"name", "tiny"},
+                        {"trials", 2},
+                        {"world", {{"kind", "measured"}, {"file", (dir_ / "gcq.csv").string()}}},
+                        {"agents", {"constant-40", "min-height"}}};
+    const experiment::Experiment experiment = experiment::parse(document.dump(), "test");
+    auto results = store::ResultStore::open_for_writing(dir_ / "results", experiment);
+    for (std::uint32_t trial = 0; trial < experiment.trials; ++trial)
+      for (const agents::AgentSpec& spec : experiment.agents) {
+        const experiment::FlightKey key{0, trial, spec.name};
+        if (!keep(key)) continue;
+        const auto map = experiment::make_signal_map(experiment, experiment.conditions[0], trial);
+        const auto agent = spec.make();
+        results.add(key, store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec)));
+      }
+  }
+
+  [[nodiscard]] json data(const report::Choice& choice = {}) const {
+    std::vector<store::ResultStore> runs;
+    runs.push_back(store::ResultStore::open_for_reading(dir_ / "results"));
+    return report::report_data(runs, choice);
+  }
+  [[nodiscard]] std::filesystem::path dir() const { return dir_ / "results"; }
+
+ private:
+  test::ScratchDir dir_;
+};
+
+bool everything(const experiment::FlightKey& /*key*/) {
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("The data block of a measured flight counts in Mbit/s", "[report]") {
+  const json data = MeasuredRun(everything).data();
+  CHECK(data["missing"].empty());
+  CHECK(data["title"] == "tiny");
+  CHECK(data["learner"].is_null());
+  const json& condition = data["conditions"][0];
+  CHECK(condition["qos_unit"] == "Mbit/s");
+  CHECK(condition["label"] == "measured flight gcq");
+  CHECK(condition["views"]["selected"].is_null());
+  const json& shown = condition["views"]["all"]["agents"];
+  CHECK(shown[0]["name"] == "min-height");  // the order of display, not of the experiment
+  CHECK(shown[0]["mean"] == 2.0);
+  CHECK(shown[1]["mean"] == 2.1667);  // (1.1 + 2.2 + 3.2) / 3
+  CHECK(shown[1]["gain"]["ci95"] == json({0.1667, 0.1667}));
+}
+
+TEST_CASE("The chosen flight shows heights, throughput and what every height would have given", "[report]") {
+  const json flight = MeasuredRun(everything).data({"", 1})["conditions"][0]["flight"];
+  CHECK(flight["trial"] == 1);
+  CHECK(flight["step"] == json({1, 2, 3}));
+  CHECK(flight["agents"][1]["height_m"] == json({30, 40, 40}));
+  CHECK(flight["agents"][1]["qos"] == json({1.1, 2.2, 3.2}));
+  CHECK(flight["agents"][1]["learning"].is_null());
+  CHECK(flight["map"]["height_m"] == json({20, 30, 40}));
+  CHECK(flight["map"]["qos"] == json({{1.0, 1.1, 1.2}, {2.0, 2.1, 2.2}, {3.0, 3.1, 3.2}}));
+  CHECK(flight["city"].is_null());
+}
+
+TEST_CASE("An unfinished run names what is missing and shows the flight that most agents flew", "[report]") {
+  const MeasuredRun run([](const experiment::FlightKey& key) { return key.trial == 1 || key.agent == "min-height"; });
+  const json data = run.data();
+  REQUIRE(data["missing"].size() == 1);
+  CHECK(data["missing"][0] == "measured flight gcq: 1 of 4 flights are missing: constant-40 (1 of 2)");
+  CHECK(data["conditions"][0]["flight"]["trial"] == 1);
+  CHECK(data["conditions"][0]["views"]["all"]["agents"][1]["trials"] == 1);
+
+  const json nothing = MeasuredRun([](const experiment::FlightKey&) { return false; }).data();
+  CHECK(nothing["conditions"][0]["views"]["all"].is_null());
+  CHECK(nothing["conditions"][0]["flight"].is_null());
+}
+
+TEST_CASE("A choice that is not there is refused with what is", "[report]") {
+  const MeasuredRun run(everything);
+  CHECK_THROWS_WITH(run.data({"", 7}), Catch::Contains("no flight of trial 7"));
+  CHECK_THROWS_WITH(run.data({"0", 7}), Catch::Contains("0 to 1"));
+  CHECK_THROWS_WITH(run.data({"mesured", std::nullopt}), Catch::Contains("'measured'"));
+  CHECK_THROWS_AS(run.data({"1", std::nullopt}), InputError);
+}
+
+TEST_CASE("A page is one file that its data cannot break", "[report]") {
+  const std::string page = report::render_page({{"title", "</script><b>&"}});
+  CHECK(page.find("</script><b>") == std::string::npos);
+  CHECK(page.find(R"(\u003c/script>\u003cb>&)") != std::string::npos);
+  CHECK(page.find("%DATA%") == std::string::npos);
+  CHECK(page.find("<script src") == std::string::npos);
+
+  const MeasuredRun run(everything);
+  const report::WrittenReport written = report::write_report(run.dir());
+  CHECK(written.page == run.dir() / "report.html");
+  CHECK_THAT(test::read_text(written.page), Catch::Contains("id=\"report-data\">{\""));
+  CHECK_THROWS_WITH(report::write_report(run.dir() / "nowhere"), Catch::Contains("no such folder"));
+  CHECK_THROWS_WITH(report::write_report(run.dir(), {run.dir() / "no" / "page.html", {}, {}}),
+                    Catch::Contains("cannot be written"));
+}

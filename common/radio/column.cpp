@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 #include "common/radio/height_rows.hpp"
 
@@ -18,7 +21,8 @@ ColumnBuilder::ColumnBuilder(const Scene& scene, const Fading& fading)
       heights_(scene.heights().size()),
       width_((heights_ + lanes - 1) / lanes * lanes),
       ranks_(scene.reported_stations()),
-      power_w_(std::size_t{scene.stations()} * width_),
+      power_w_(scene.stations()),
+      by_distance_(scene.stations()),
       ranked_power_w_(std::size_t{ranks_} * width_),
       ranked_(std::size_t{ranks_} * width_),
       sinr_(std::size_t{ranks_} * width_),
@@ -28,17 +32,89 @@ ColumnBuilder::ColumnBuilder(const Scene& scene, const Fading& fading)
 }
 
 std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position position) {
+  position_ = position;
   scene_.look_around(position, around_);
-  for (std::uint32_t k = 0; k < scene_.stations(); ++k) {
-    const Link& link = around_.links[k];
-    received_power_row(scene_.model(), link.distance_m, rise_m_, scene_.first_los(link),
-                       power_w_.data() + std::size_t{k} * width_);
-  }
+  first_los_.assign(scene_.stations(), std::nullopt);
+  power_known_.assign(scene_.stations(), 0);
   if (ranks_ == scene_.stations())
-    rank_among_all();
+    rank_all();
   else
-    rank_stations();
+    rank_strongest();
+  collect_slots();
+  for (const std::uint32_t c : involved_) compute_sinr(point, c);
+  return choose_serving();
+}
 
+std::uint32_t ColumnBuilder::first_los(std::uint32_t k) {
+  if (!first_los_[k]) first_los_[k] = scene_.first_los(scene_.blocking_height_m(position_, k));
+  return *first_los_[k];
+}
+
+const double* ColumnBuilder::power_w(std::uint32_t k) {
+  std::vector<double>& row = power_w_[k];
+  if (power_known_[k] == 0) {
+    row.resize(width_);
+    received_power_row(scene_.model(), around_.links[k].distance_m, rise_m_, first_los(k), row.data());
+    power_known_[k] = 1;
+  }
+  return row.data();
+}
+
+/// The strongest stations at every height, by power, then index. Near ones first, so that most of the others can be
+/// left out unseen.
+void ColumnBuilder::rank_strongest() {
+  std::fill(ranked_power_w_.begin(), ranked_power_w_.end(), -1.0);
+  std::iota(by_distance_.begin(), by_distance_.end(), 0U);
+  std::sort(by_distance_.begin(), by_distance_.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return std::pair(around_.links[a].distance_m, a) < std::pair(around_.links[b].distance_m, b);
+  });
+  for (const std::uint32_t k : by_distance_)
+    if (may_be_among_strongest(k)) insert(k);
+}
+
+/// False if even the greatest power possible at its distance does not suffice, with and without line of sight.
+bool ColumnBuilder::may_be_among_strongest(std::uint32_t k) {
+  const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
+  const double distance_m = around_.links[k].distance_m;
+  const double los_w = power_bound_w(scene_.model(), distance_m, scene_.model().path_exponent_los);
+  const double nlos_w = power_bound_w(scene_.model(), distance_m, scene_.model().path_exponent_nlos);
+  const std::uint32_t los = std::min(first_los(k), heights_);
+  return any_at_most({weakest_w, los}, nlos_w) || any_at_most({weakest_w + los, heights_ - los}, los_w);
+}
+
+void ColumnBuilder::insert(std::uint32_t k) {
+  const double* power = power_w(k);
+  const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
+  for (std::uint32_t i = 0; i < heights_; ++i) {
+    if (power[i] < weakest_w[i]) continue;
+    const auto stronger_than = [&](std::size_t at) {
+      return power[i] > ranked_power_w_[at] || (power[i] == ranked_power_w_[at] && k < ranked_[at]);
+    };
+    std::size_t at = std::size_t{ranks_ - 1} * width_ + i;
+    if (!stronger_than(at)) continue;
+    for (; at >= width_ && stronger_than(at - width_); at -= width_) {
+      ranked_power_w_[at] = ranked_power_w_[at - width_];
+      ranked_[at] = ranked_[at - width_];
+    }
+    ranked_power_w_[at] = power[i];
+    ranked_[at] = k;
+  }
+}
+
+/// All stations are wanted at every height: the same order by sorting.
+void ColumnBuilder::rank_all() {
+  for (std::uint32_t k = 0; k < ranks_; ++k) static_cast<void>(power_w(k));  // fills power_w_
+  for (std::uint32_t i = 0; i < heights_; ++i) {
+    std::iota(by_distance_.begin(), by_distance_.end(), 0U);
+    std::stable_sort(by_distance_.begin(), by_distance_.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return power_w_[a][i] > power_w_[b][i]; });
+    for (std::uint32_t rank = 0; rank < ranks_; ++rank) ranked_[std::size_t{rank} * width_ + i] = by_distance_[rank];
+  }
+}
+
+/// The wanted SINRs by base station.
+void ColumnBuilder::collect_slots() {
+  for (const std::uint32_t c : involved_) slots_[c].clear();
   involved_.clear();
   for (std::uint32_t i = 0; i < heights_; ++i) {
     for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
@@ -46,42 +122,6 @@ std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position p
       if (slots_[c].empty()) involved_.push_back(c);
       slots_[c].push_back({i, rank});
     }
-  }
-  for (const std::uint32_t c : involved_) {
-    compute_sinr(point, c);
-    slots_[c].clear();
-  }
-  return choose_serving();
-}
-
-/// The strongest stations at every height, by power, then index.
-void ColumnBuilder::rank_stations() {
-  std::fill(ranked_power_w_.begin(), ranked_power_w_.end(), -1.0);
-  for (std::uint32_t k = 0; k < scene_.stations(); ++k) insert(k, power_w(k));
-}
-
-void ColumnBuilder::insert(std::uint32_t k, const double* power_w) {
-  const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
-  for (std::uint32_t i = 0; i < heights_; ++i) {
-    if (power_w[i] <= weakest_w[i]) continue;
-    std::uint32_t rank = ranks_ - 1;
-    for (; rank > 0 && power_w[i] > ranked_power_w_[std::size_t{rank - 1} * width_ + i]; --rank) {
-      ranked_power_w_[std::size_t{rank} * width_ + i] = ranked_power_w_[std::size_t{rank - 1} * width_ + i];
-      ranked_[std::size_t{rank} * width_ + i] = ranked_[std::size_t{rank - 1} * width_ + i];
-    }
-    ranked_power_w_[std::size_t{rank} * width_ + i] = power_w[i];
-    ranked_[std::size_t{rank} * width_ + i] = k;
-  }
-}
-
-/// All stations are wanted at every height: the same order by power, by sorting.
-void ColumnBuilder::rank_among_all() {
-  std::vector<std::uint32_t> order(ranks_);
-  for (std::uint32_t i = 0; i < heights_; ++i) {
-    for (std::uint32_t k = 0; k < ranks_; ++k) order[k] = k;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return power_w(a)[i] > power_w(b)[i]; });
-    for (std::uint32_t rank = 0; rank < ranks_; ++rank) ranked_[std::size_t{rank} * width_ + i] = order[rank];
   }
 }
 
@@ -93,12 +133,13 @@ void ColumnBuilder::compute_sinr(std::uint32_t point, std::uint32_t c) {
     if (scene_.can_interfere(around_, c, k)) add_interferer(point, c, k);
 
   fading_.rows(point, c, c, blocks_, fading_row_);
+  const double* power = power_w(c);
   std::size_t block_position = 0;
   for (const Slot& slot : slots_[c]) {
     while (blocks_[block_position] < slot.height / lanes) ++block_position;
     const double fading = fading_row_[block_position * lanes + slot.height % lanes];
     sinr_[std::size_t{slot.rank} * width_ + slot.height] =
-        power_w(c)[slot.height] * fading / (scene_.model().noise_w + interference_w_[slot.height]);
+        power[slot.height] * fading / (scene_.model().noise_w + interference_w_[slot.height]);
   }
 }
 
@@ -111,10 +152,10 @@ void ColumnBuilder::select_blocks(std::uint32_t c) {
     const std::uint32_t block = slot.height / lanes;
     if (blocks_.empty() || blocks_.back() != block) {
       blocks_.push_back(block);
-      wanted_.resize(blocks_.size() * lanes, 0);
+      wanted_.resize(blocks_.size() * lanes, 0.0);
       block_rise_m_.insert(block_rise_m_.end(), rise_m_.begin() + block * lanes, rise_m_.begin() + (block + 1) * lanes);
     }
-    wanted_[(blocks_.size() - 1) * lanes + slot.height % lanes] = 1;
+    wanted_[(blocks_.size() - 1) * lanes + slot.height % lanes] = 1.0;
   }
   nearest_m_.assign(block_rise_m_.size(), 0.0);
   farthest_m_.assign(block_rise_m_.size(), std::numeric_limits<double>::infinity());
@@ -126,19 +167,15 @@ void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::ui
   const double distance_m = around_.links[k].distance_m;
   disturbed_blocks_.clear();
   disturbs_.clear();
+  disturbs_row_.resize(wanted_.size());
+  disturbance_row(distance_m, wanted_, nearest_m_.data(), farthest_m_.data(), disturbs_row_.data());
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    std::array<double, lanes> disturbs{};
-    bool any = false;
-    for (std::uint32_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t i = b * lanes + lane;
-      const bool hit = wanted_[i] != 0 && BeamLimits{nearest_m_[i], farthest_m_[i]}.contain(distance_m);
-      disturbs.at(lane) = hit ? 1.0 : 0.0;
-      any |= hit;
-    }
-    if (!any) continue;
+    const double* row = disturbs_row_.data() + b * lanes;
+    if (row[0] + row[1] + row[2] + row[3] == 0.0) continue;
     disturbed_blocks_.push_back(blocks_[b]);
-    disturbs_.insert(disturbs_.end(), disturbs.begin(), disturbs.end());
+    disturbs_.insert(disturbs_.end(), row, row + lanes);
   }
+  if (disturbed_blocks_.empty()) return;
   fading_.rows(point, c, k, disturbed_blocks_, fading_row_);
   const double* power = power_w(k);
   for (std::size_t b = 0; b < disturbed_blocks_.size(); ++b) {

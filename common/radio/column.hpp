@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/radio/fading.hpp"
@@ -23,16 +24,17 @@ class ColumnBuilder {
     std::uint32_t rank;
   };
 
-  void rank_stations();
-  void rank_among_all();
-  void insert(std::uint32_t k, const double* power_w);
+  void rank_strongest();
+  void rank_all();
+  [[nodiscard]] bool may_be_among_strongest(std::uint32_t k);
+  void insert(std::uint32_t k);
+  void collect_slots();
   void compute_sinr(std::uint32_t point, std::uint32_t c);
   void select_blocks(std::uint32_t c);
   void add_interferer(std::uint32_t point, std::uint32_t c, std::uint32_t k);
   [[nodiscard]] std::vector<Reading> choose_serving();
-  [[nodiscard]] const double* power_w(std::uint32_t k) const noexcept {
-    return power_w_.data() + std::size_t{k} * width_;
-  }
+  [[nodiscard]] std::uint32_t first_los(std::uint32_t k);
+  [[nodiscard]] const double* power_w(std::uint32_t k);
 
   const Scene& scene_;
   Fading fading_;
@@ -41,8 +43,14 @@ class ColumnBuilder {
   std::uint32_t ranks_;
   std::vector<double> rise_m_;
 
+  world::Position position_;
   Surroundings around_;
-  std::vector<double> power_w_;           // [station][height], before fading
+  // Per base station, worked out when first needed at this position.
+  std::vector<std::optional<std::uint32_t>> first_los_;
+  std::vector<std::vector<double>> power_w_;  // [station][height], before fading
+  std::vector<std::uint8_t> power_known_;
+
+  std::vector<std::uint32_t> by_distance_;
   std::vector<double> ranked_power_w_;    // [rank][height], descending
   std::vector<std::uint32_t> ranked_;     // [rank][height]: base station
   std::vector<double> sinr_;              // [rank][height], linear
@@ -51,13 +59,14 @@ class ColumnBuilder {
 
   // Of the station whose SINR is computed: blocks of four heights where it is wanted, and values at these heights.
   std::vector<std::uint32_t> blocks_;
-  std::vector<std::uint8_t> wanted_;
+  std::vector<double> wanted_;  // 1 or 0
   std::vector<double> block_rise_m_;
   std::vector<double> nearest_m_;
   std::vector<double> farthest_m_;
   std::vector<double> interference_w_;  // [height]
   // Of one interferer: blocks with at least one height where it disturbs; 1 or 0 per height.
   std::vector<std::uint32_t> disturbed_blocks_;
+  std::vector<double> disturbs_row_;
   std::vector<double> disturbs_;
   std::vector<double> fading_row_;
 };

@@ -17,6 +17,12 @@ void received_power_row(const RadioModel& model, double distance_m, std::span<co
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,
                      double* farthest_m);
 
+/// wanted[i] where the beam at i covers this distance, else 0.
+void disturbance_row(double distance_m, std::span<const double> wanted, const double* nearest_m,
+                     const double* farthest_m, double* disturbs);
+
+[[nodiscard]] bool any_at_most(std::span<const double> values, double limit);
+
 /// Exp(1) from each random word.
 void exponential_row(std::span<const std::uint32_t> words, double* out);
 

@@ -14,8 +14,7 @@ namespace aloft::radio {
 struct Link {
   double dx_m = 0.0;  ///< from the UAV to the base station
   double dy_m = 0.0;
-  double distance_m = 0.0;         ///< horizontal
-  double blocking_height_m = 0.0;  ///< no line of sight below this height; line_of_sight.hpp
+  double distance_m = 0.0;  ///< horizontal
 };
 
 /// Gain of the 8-element vertical array at sine of elevation s: g(s) = (1/8) [sin(4 pi s) / sin(pi s / 2)]^2, limit 8
@@ -27,8 +26,9 @@ struct Link {
   return 4.0 * (1.0 + u) * u2 * (w * w);
 }
 
-/// distance^-exponent, from the squared distance in m^2.
+/// distance^-exponent, from the squared distance in m^2. Exponent 4, the most frequent, needs no logarithm.
 [[gnu::always_inline]] inline double path_gain(double distance2_m2, double exponent) noexcept {
+  if (exponent == 4.0) return 1.0 / (distance2_m2 * distance2_m2);
   return exp2((-0.5 / std::numbers::ln2) * exponent * natural_log(distance2_m2));
 }
 
@@ -46,9 +46,22 @@ template <BsAntenna antenna, PathDistance path>
   return model.link_gain_w * antenna_gain * path_gain(path2_m2, path_exponent);
 }
 
+/// The same for the antenna and distance that `model` names.
+[[nodiscard]] inline double received_power_w(const RadioModel& model, double distance_m, double rise_m,
+                                             double path_exponent) noexcept {
+  const bool slant = model.path_distance == PathDistance::slant;
+  if (model.bs_antenna == BsAntenna::array)
+    return slant
+               ? received_power_w<BsAntenna::array, PathDistance::slant>(model, distance_m, rise_m, path_exponent)
+               : received_power_w<BsAntenna::array, PathDistance::horizontal>(model, distance_m, rise_m, path_exponent);
+  return slant
+             ? received_power_w<BsAntenna::sector, PathDistance::slant>(model, distance_m, rise_m, path_exponent)
+             : received_power_w<BsAntenna::sector, PathDistance::horizontal>(model, distance_m, rise_m, path_exponent);
+}
+
 /// Horizontal distances of the base stations that the UAV's beam covers while it points at one at `distance_m`.
 struct BeamLimits {
-  [[nodiscard]] bool contain(double distance_m) const noexcept {
+  [[nodiscard, gnu::always_inline]] inline bool contain(double distance_m) const noexcept {
     return distance_m >= nearest_m && distance_m <= farthest_m;
   }
   double nearest_m = 0.0;
@@ -67,6 +80,16 @@ struct BeamLimits {
   const double farthest_m = rise_m * (distance_m + rise_m * t) / above;
   return {below > 0.0 ? nearest_m : 0.0,
           above <= 0.0 ? model.interferer_distance_max_m : (below > 0.0 ? farthest_m : rise_m)};
+}
+
+/// No base station at this horizontal distance is received with more power than this, W, over a path with this
+/// exponent.
+[[nodiscard]] inline double power_bound_w(const RadioModel& model, double distance_m, double path_exponent) noexcept {
+  constexpr double array_peak = 8.0;
+  constexpr double rounding = 1.0 + 1e-9;
+  const double gain = model.bs_antenna == BsAntenna::array ? array_peak : model.sector_gain;
+  const double distance2_m2 = distance_m < 1.0 ? 1.0 : distance_m * distance_m;
+  return rounding * model.link_gain_w * gain * path_gain(distance2_m2, path_exponent);
 }
 
 /// Whether the azimuths of two base stations, seen from the UAV, differ by less than half the UAV's beamwidth.

@@ -34,7 +34,6 @@ void Scene::look_around(world::Position position, Surroundings& into) const {
     link.dx_m = station.x_m - position.x_m;
     link.dy_m = station.y_m - position.y_m;
     link.distance_m = std::sqrt(link.dx_m * link.dx_m + link.dy_m * link.dy_m);
-    link.blocking_height_m = blocking_height_m(city_, model_.los_ray, position, station);
     if (model_.bs_antenna != BsAntenna::sector) continue;
     const world::Position boresight = sector_boresight_[k];
     const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
@@ -42,12 +41,16 @@ void Scene::look_around(world::Position position, Surroundings& into) const {
   }
 }
 
-std::uint32_t Scene::first_los(const Link& link) const noexcept {
-  const double above = std::ceil((link.blocking_height_m - heights_.height_min_m) / heights_.resolution_m);
+double Scene::blocking_height_m(world::Position position, std::uint32_t k) const noexcept {
+  return radio::blocking_height_m(city_, model_.los_ray, position, city_.base_stations[k]);
+}
+
+std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
+  const double above = std::ceil((blocking_height_m - heights_.height_min_m) / heights_.resolution_m);
   auto index = static_cast<std::uint32_t>(std::clamp(above, 0.0, static_cast<double>(heights_.size())));
   // Rounding may be one off; the comparison of heights decides.
-  if (index > 0 && heights_.height_m(index - 1) >= link.blocking_height_m) --index;
-  if (index < heights_.size() && heights_.height_m(index) < link.blocking_height_m) ++index;
+  if (index > 0 && heights_.height_m(index - 1) >= blocking_height_m) --index;
+  if (index < heights_.size() && heights_.height_m(index) < blocking_height_m) ++index;
   return index;
 }
 

@@ -35,8 +35,10 @@ class Scene {
 
   void look_around(world::Position position, Surroundings& into) const;
 
-  /// First index of heights() with line of sight.
-  [[nodiscard]] std::uint32_t first_los(const Link& link) const noexcept;
+  /// First index of heights() with line of sight to base station k, given its blocking height.
+  [[nodiscard]] std::uint32_t first_los(double blocking_height_m) const noexcept;
+  /// No line of sight below this height.
+  [[nodiscard]] double blocking_height_m(world::Position position, std::uint32_t k) const noexcept;
 
   /// Whether base station k can disturb the reception of c at all: other azimuths are outside the UAV's beam, and a
   /// sector that looks elsewhere sends nothing here.

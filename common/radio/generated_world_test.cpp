@@ -1,0 +1,83 @@
+#include "common/radio/generated_world.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+
+using namespace aloft;
+using nlohmann::json;
+
+namespace {
+
+std::string error_of(const json& given) {
+  try {
+    static_cast<void>(radio::resolve_generated_world(given, "world"));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("the default world is the published one") {
+  const Parameters world = radio::resolve_generated_world(json::object(), "world");
+  CHECK(world.text("preset") == "published");
+  CHECK(world.text("los_ray") == "published");
+  CHECK(world.text("bs_antenna") == "array");
+  CHECK(world.text("fading") == "independent");
+  CHECK(world.number("height_min_m") == 40.0);
+  CHECK(world.integer("steps") == 100);
+  CHECK(world.number("tx_power_w") == 40.0);
+}
+
+TEST_CASE("a preset changes the defaults, and given keys override it") {
+  Parameters world = radio::resolve_generated_world({{"preset", "paper-text"}}, "world");
+  CHECK(world.text("uav_antenna") == "omnidirectional");
+  CHECK(world.text("bs_antenna") == "sector");
+  CHECK(world.text("path_distance") == "horizontal");
+  CHECK(world.text("fading") == "none");
+  CHECK(world.text("serving_selection") == "best-of-all");
+  world = radio::resolve_generated_world({{"preset", "geometric"}, {"fading_correlation", 0.5}}, "world");
+  CHECK(world.text("los_ray") == "geometric");
+  CHECK(world.text("building_height_distribution") == "rayleigh");
+  CHECK(world.number("building_height_mean_m") == Approx(20.0 * 1.2533141).epsilon(1e-5));  // 20 sqrt(pi/2)
+  CHECK(world.text("fading") == "correlated");
+  CHECK(world.number("fading_correlation") == 0.5);
+  CHECK(world.text("uav_antenna") == "directional");
+}
+
+TEST_CASE("resolving again what was resolved gives the same") {
+  for (const char* preset : {"published", "paper-text", "geometric"}) {
+    const Parameters world =
+        radio::resolve_generated_world({{"preset", preset}, {"height_step_m", 20}, {"candidates", 6}}, "world");
+    CHECK(radio::resolve_generated_world(world.to_json(), "world").to_json() == world.to_json());
+  }
+}
+
+TEST_CASE("the route's largest offset follows the height step unless it is given") {
+  CHECK(radio::resolve_generated_world({{"height_step_m", 20}}, "world").number("route_offset_max_m") == 20.0);
+  CHECK(radio::resolve_generated_world({{"height_step_m", 20}, {"route_offset_max_m", 7}}, "world")
+            .number("route_offset_max_m") == 7.0);
+}
+
+TEST_CASE("wrong worlds are refused with path, value and what is allowed") {
+  using Catch::Contains;
+  CHECK_THAT(error_of({{"bs_densty_per_km2", 5}}), Contains("world.bs_densty_per_km2") && Contains("unknown key") &&
+                                                       Contains("Did you mean 'bs_density_per_km2'"));
+  CHECK_THAT(error_of({{"bs_density_per_km2", -1}}),
+             Contains("world.bs_density_per_km2") && Contains("from 0.1 to 500"));
+  CHECK_THAT(error_of({{"preset", "text"}}), Contains("world.preset") && Contains("paper-text"));
+  CHECK_THAT(error_of({{"height_max_m", 235}}), Contains("world.height_step_m") && Contains("no multiple"));
+  CHECK_THAT(error_of({{"height_max_m", 30}}), Contains("world.height_max_m") && Contains("below height_min_m 40"));
+  CHECK_THAT(error_of({{"height_resolution_m", 3}}), Contains("world.height_resolution_m") && Contains("divide"));
+  CHECK_THAT(error_of({{"height_resolution_m", 0.1}, {"height_max_m", 2040}}),
+             Contains("world.height_resolution_m") && Contains("10,001"));
+  CHECK_THAT(error_of({{"height_min_m", 20}}), Contains("world.height_min_m") && Contains("base_station_height_m 30"));
+  CHECK_THAT(error_of({{"steps", 300}}), Contains("world.route_start_x_m") && Contains("leaves the city"));
+  CHECK_THAT(error_of({{"candidates", 10}}), Contains("world.min_base_stations") && Contains("at least 10"));
+  CHECK_THAT(error_of({{"neighbours", 5}, {"min_base_stations", 5}}), Contains("at least 6"));
+  CHECK_THAT(error_of({{"route_offset_max_m", 800}, {"window_m", 1100}}), Contains("world.route_offset_max_m"));
+  CHECK(error_of({{"neighbours", 5}}) == "accepted");
+}

@@ -1,0 +1,127 @@
+// A few short flights of every agent, as text, compared byte for byte: no result changes silently.
+// tools/golden.sh writes them anew and shows the difference.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "common/experiment/text_file.hpp"
+#include "common/experiment/trial_world.hpp"
+#include "common/flight/flight.hpp"
+
+using namespace aloft;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::filesystem::path folder = std::filesystem::path(ALOFT_SOURCE_DIR) / "tests/golden";
+
+/// Every agent that flies in this process, and the DQN with the options that the published code had.
+experiment::Experiment golden_experiment() {
+  Json agents = Json::array();
+  for (const agents::AgentType& type : agents::agent_types())
+    if (!type.foreign) agents.push_back(type.name);
+  agents.push_back({{"type", "dqn"},
+                    {"name", "dqn-published"},
+                    {"loss", "cross-entropy"},
+                    {"target_network", false},
+                    {"input_scaling", "linear-max"}});
+  const Json document{
+      {"name", "golden"},
+      {"seed", 5},
+      {"trials", 2},
+      {"worlds",
+       {{{"kind", "generated"}, {"bs_density_per_km2", 5}, {"building_density_per_km2", 200}, {"steps", 24}},
+        {{"kind", "measured"}, {"file", (folder / "flight.csv").string()}}}},
+      {"agents", agents}};
+  return experiment::parse(document.dump(), "golden");
+}
+
+std::string_view name_of(agents::Action action) {
+  constexpr std::array<std::string_view, 5> names{"none", "down", "hold", "up", "absolute"};
+  return names.at(static_cast<std::size_t>(action));
+}
+
+/// Numbers in the shortest form that reads back as the same bits.
+void write_step(std::string& text, const flight::StepRecord& step) {
+  text += fmt::format("{} {} {} {} {} {} {} {} {}", step.step, name_of(step.action), step.x_m, step.y_m, step.height_m,
+                      step.serving_cell, step.serving_sinr_db, step.qos, step.reward);
+  if (step.introspection)
+    text += fmt::format(" | {} {} {}", step.introspection->epsilon, step.introspection->loss,
+                        fmt::join(step.introspection->q_values, " "));
+  text += '\n';
+}
+
+std::string golden_text(const experiment::Experiment& experiment, const agents::AgentSpec& spec) {
+  std::string text = "step action x_m y_m height_m serving_cell serving_sinr_db qos reward";
+  text += " | epsilon loss q_down q_hold q_up\n";
+  for (const experiment::Condition& condition : experiment.conditions) {
+    for (std::uint32_t trial = 0; trial < experiment.trials; ++trial) {
+      const auto map = experiment::make_signal_map(experiment, condition, trial);
+      const flight::FlightRecord record = flight::fly(*map, experiment.seed, trial, *spec.make(), spec);
+      text += fmt::format("\n{}, trial {}\n",
+                          condition.kind == experiment::WorldKind::measured ? "measured" : "generated", trial);
+      for (const flight::StepRecord& step : record.steps) write_step(text, step);
+    }
+  }
+  return text;
+}
+
+std::filesystem::path golden_file(const std::string& agent) {
+  return folder / (agent + ".txt");
+}
+
+/// The first line that differs: shorter to read than two whole files.
+std::string first_difference(const std::string& stored, const std::string& now) {
+  std::istringstream stored_lines(stored);
+  std::istringstream now_lines(now);
+  std::string before;
+  std::string after;
+  for (int line = 1;; ++line) {
+    const bool more_before = static_cast<bool>(std::getline(stored_lines, before));
+    const bool more_after = static_cast<bool>(std::getline(now_lines, after));
+    if (!more_before && !more_after) return "only line ends differ";
+    if (more_before != more_after || before != after)
+      return fmt::format("line {}\nstored: {}\nnow:    {}", line, more_before ? before : "(end)",
+                         more_after ? after : "(end)");
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every agent flies its golden flights again, byte for byte") {
+  const experiment::Experiment experiment = golden_experiment();
+  for (const agents::AgentSpec& spec : experiment.agents) {
+    const std::filesystem::path file = golden_file(spec.name);
+    INFO(file.string() << ": if the change is meant, run tools/golden.sh and read the difference that it shows");
+    if (!std::filesystem::exists(file)) {
+      FAIL_CHECK("this agent has no golden flights yet");
+      continue;
+    }
+    const std::string stored = experiment::read_text_file(file);
+    const std::string now = golden_text(experiment, spec);
+    if (stored != now) FAIL_CHECK(first_difference(stored, now));
+  }
+}
+
+TEST_CASE("every golden file belongs to an agent") {
+  std::set<std::filesystem::path> expected;
+  for (const agents::AgentSpec& spec : golden_experiment().agents) expected.insert(golden_file(spec.name));
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".txt") {
+      INFO(entry.path().string() << ": no such agent any more; delete it");
+      CHECK(expected.contains(entry.path()));
+    }
+}
+
+// Runs only when asked for by name.
+TEST_CASE("write the golden flights anew", "[.regenerate]") {
+  const experiment::Experiment experiment = golden_experiment();
+  for (const agents::AgentSpec& spec : experiment.agents)
+    experiment::write_text_file(golden_file(spec.name), golden_text(experiment, spec));
+}

@@ -1,1 +1,166 @@
+// Every kind of wrong experiment: what, where, what is allowed, what to do.
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "common/base/error.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/experiment/text_file.hpp"
+
+using namespace aloft;
+using namespace aloft::experiment;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string message(const std::string& text, const Overrides& overrides = {}) {
+  try {
+    (void)parse(text, "my.json", overrides);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  FAIL("accepted: " << text);
+  return {};
+}
+
+const std::string good =
+    R"({"name": "x", "trials": 2, "world": {"bs_density_per_km2": [1, 5]}, "agents": ["min-height", "random-walk"]})";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = good;
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+std::string measured(const std::filesystem::path& file) {
+  return with(R"("bs_density_per_km2": [1, 5])", R"("kind": "measured", "file": ")" + file.string() + "\"");
+}
+
+}  // namespace
+
+TEST_CASE("the good experiment of this file is good") {
+  CHECK(parse(good, "my.json").conditions.size() == 2);
+}
+
+TEST_CASE("malformed JSON: file, line, column") {
+  CHECK_THAT(message("{\n  \"name\": \"x\",\n  \"trials\": 2,,\n}"),
+             Contains("my.json: line 3, column 15: not valid JSON"));
+  CHECK_THAT(message(""), Contains("my.json: line 1, column 1: not valid JSON"));
+  CHECK_THAT(message("{\"name\": \"x\""), Contains("line 1, column 13") && Contains("unexpected end of input"));
+  CHECK_THAT(message(with("2,", "1e999,")), Contains("my.json") && Contains("1e999"));
+  CHECK_THAT(message(with("\"trials\": 2", "\"trials\": 2, \"trials\": 3")), Contains("\"trials\" stands twice"));
+  CHECK_THAT(message("[1, 2]"), Contains("my.json: [1,2] is not an experiment"));
+}
+
+TEST_CASE("unknown keys: the nearest valid one") {
+  CHECK_THAT(message(with("\"trials\"", "\"trails\"")),
+             Contains("my.json: trails: unknown key. Did you mean 'trials'?"));
+  CHECK_THAT(message(with("bs_density_per_km2", "bs_densty_per_km2")),
+             Contains("world.bs_densty_per_km2: unknown key. Did you mean 'bs_density_per_km2'?"));
+  CHECK_THAT(message(with("\"random-walk\"", R"({"type": "dqn", "discont": 1})")),
+             Contains("agents[1].discont: unknown key. Did you mean 'discount'?"));
+  CHECK_THAT(message(with("\"bs_density_per_km2\": [1, 5]", "\"file\": \"a.csv\"")),
+             Contains("add \"kind\": \"measured\""));
+}
+
+TEST_CASE("missing keys are named") {
+  CHECK_THAT(message(with("\"trials\": 2,", "")), Contains("\"trials\" is missing"));
+  CHECK_THAT(message(R"({"name": "x", "trials": 1, "agents": ["min-height"]})"), Contains("\"world\" is missing"));
+  CHECK_THAT(message(with("\"agents\"", "\"worlds\": [{}], \"agents\"")), Contains("cannot stand together"));
+  CHECK_THAT(message(with("\"bs_density_per_km2\": [1, 5]", "\"kind\": \"measured\"")),
+             Contains("world.file: missing"));
+}
+
+TEST_CASE("wrong type or range: JSON path, value, what is allowed") {
+  CHECK_THAT(message(with("2,", "0,")), Contains("trials: 0 is not allowed; use a whole number from 1 to 10000000"));
+  CHECK_THAT(message(with("2,", "10000001,")), Contains("10000001"));
+  CHECK_THAT(message(with("2,", "\"two\",")), Contains("trials: \"two\" is not allowed"));
+  CHECK_THAT(message(with("[1, 5]", "-1")), Contains("world.bs_density_per_km2: -1 is not allowed; use a number from"));
+  CHECK_THAT(message(with("[1, 5]", "[1, \"x\"]")), Contains("world.bs_density_per_km2: \"x\" is not allowed"));
+  CHECK_THAT(message(with("[1, 5]", "[1, [5]]")), Contains("world.bs_density_per_km2: [5] is not allowed"));
+  CHECK_THAT(message(with("\"world\": {", "\"world\": {\"kind\": \"mesured\", ")),
+             Contains("world.kind: \"mesured\"") && Contains("\"measured\""));
+  CHECK_THAT(message(with("\"world\": {", "\"world\": {\"name\": \"\", ")), Contains("world.name"));
+  CHECK_THAT(message(with("\"world\": {\"bs_density_per_km2\": [1, 5]}", "\"worlds\": [{}, 3]")),
+             Contains("worlds[1]: 3 is not allowed"));
+  CHECK_THAT(message(with("\"world\": {\"bs_density_per_km2\": [1, 5]}", "\"worlds\": []")),
+             Contains("worlds: [] is not allowed"));
+  CHECK_THAT(message(with("\"name\": \"x\"", "\"name\": \"../x\"")), Contains("name: \"../x\" is not allowed"));
+  CHECK_THAT(message(with("\"name\": \"x\"", "\"name\": 3")), Contains("name: 3 is not allowed; use a text"));
+  CHECK_THAT(message(with("2,", "2, \"on_agent_loss\": \"retry\",")),
+             Contains("on_agent_loss") && Contains("\"restart\", \"failover\""));
+  for (const char* seed : {"-1", "1.5", "\"1\"", "18446744073709551616"})
+    CHECK_THAT(message(with("2,", std::string("2, \"seed\": ") + seed + ",")),
+               Contains("seed: ") && Contains("18446744073709551615"));
+}
+
+TEST_CASE("agents: unknown, doubled, none, too many, contradictory") {
+  CHECK_THAT(message(with("random-walk", "random-wlk")),
+             Contains("agents[1]: unknown agent 'random-wlk'. Did you mean 'random-walk'?"));
+  CHECK_THAT(message(with("random-walk", "min-height")),
+             Contains("agents[1]") && Contains("\"min-height\" stands already at agents[0]"));
+  CHECK_THAT(message(with("[\"min-height\", \"random-walk\"]", "[]")), Contains("agents: [] is not allowed"));
+  CHECK_THAT(message(with("[\"min-height\", \"random-walk\"]", "\"dqn\"")),
+             Contains("agents: \"dqn\" is not allowed; use a list"));
+  CHECK_THAT(message(with("\"random-walk\"", R"({"type": "constant", "height_m": "high"})")),
+             Contains("agents[1].height_m: \"high\""));
+  CHECK_THAT(message(with("\"random-walk\"", R"({"type": "dqn", "replay_capacity": 8, "minibatch": 16})")),
+             Contains("replay_capacity"));
+  std::string many = "[";
+  for (int i = 0; i < 65; ++i) many += (i == 0 ? "\"constant-" : ", \"constant-") + std::to_string(i + 40) + "\"";
+  CHECK_THAT(message(with("[\"min-height\", \"random-walk\"]", many + "]")),
+             Contains("65 are too many; use at most 64"));
+}
+
+TEST_CASE("sweeps: empty, doubled values, too many conditions, equal names") {
+  CHECK_THAT(message(with("[1, 5]", "[]")), Contains("world.bs_density_per_km2: the list is empty"));
+  CHECK_THAT(message(with("[1, 5]", "[1, 5, 1.0]")), Contains("world.bs_density_per_km2: 1.0 stands twice"));
+  std::string hundred = "[1";
+  for (int i = 1; i < 100; ++i) hundred += ", " + std::to_string(1 + i * 0.25);
+  hundred += "]";
+  CHECK_THAT(message(with("[1, 5]", hundred + ", \"building_density_per_km2\": " + hundred +
+                                        ", \"los_ray\": [\"published\", \"geometric\"]")),
+             Contains("world: the sweep has more than 10000 conditions"));
+  CHECK_THAT(
+      message(with("\"world\": {\"bs_density_per_km2\": [1, 5]}", "\"worlds\": [{}, {\"bs_density_per_km2\": 5}]")),
+      Contains("conditions 0 and 1 are both named \"generated\"") && Contains("\"name\""));
+  CHECK_THAT(message(with("[1, 5]", "1, \"swept\": [\"bs_density_per_km2\"]")), Contains("world.swept"));
+}
+
+TEST_CASE("measured flights: unreadable or ill-formed files") {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("aloft-bad-experiment-test-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const auto csv = folder / "flight.csv";
+  CHECK_THAT(message(measured(csv)), Contains("my.json: world.file: cannot read '" + csv.string() + "': No such file"));
+  CHECK_THAT(message(measured(folder)), Contains("world.file") && Contains("directory"));
+  write_text_file(csv, "step,height_m,throughput_kbps\n1,20,100\n1,30,1oo\n");
+  CHECK_THAT(message(measured(csv)), Contains(csv.string() + ":3:6: ") && Contains("1oo"));
+  write_text_file(csv, "step,height,throughput_kbps\n1,20,100\n");
+  CHECK_THAT(message(measured(csv)), Contains("height_m"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("overrides: wrong paths and values") {
+  CHECK_THAT(message(good, {.set = {"world.bilding_density_per_km2=1"}}),
+             Contains("Did you mean 'building_density_per_km2'?"));
+  CHECK_THAT(message(good, {.set = {"wrld.bs_density_per_km2=1"}}),
+             Contains("--set wrld.") && Contains("Did you mean 'world'?"));
+  CHECK_THAT(message(good, {.set = {"worlds.0.file=x.csv"}}), Contains("Did you mean 'world'?"));
+  CHECK_THAT(message(good, {.set = {"agents.2=dqn"}}), Contains("'agents' has no entry '2'; use a number from 0 to 1"));
+  CHECK_THAT(message(good, {.set = {"trials.x=1"}}), Contains("'trials' is 2"));
+  CHECK_THAT(message(good, {.set = {"trials"}}), Contains("--set trials: use json.path=value"));
+  CHECK_THAT(message(good, {.set = {"trials=zero"}}), Contains("trials: \"zero\" is not allowed"));
+  CHECK_THAT(message(good, {.set = {"world.bs_density_per_km2=[]"}}), Contains("empty"));
+  CHECK_THAT(message(good, {.set = {"description=\xff"}}), Contains("not UTF-8"));
+  CHECK_THAT(message(good, {.agents = {"min-hight"}}),
+             Contains("--agents: unknown agent 'min-hight'. Did you mean 'min-height'?"));
+  CHECK_THAT(message(good, {.agents = {"dqn", "dqn"}}), Contains("--agents: 'dqn' stands twice"));
+  CHECK_THAT(message(good, {.trials = 0}), Contains("trials: 0 is not allowed"));
+}
+
+TEST_CASE("an experiment file that cannot be read is named") {
+  CHECK_THROWS_WITH(load("no-such-file.json"), Contains("cannot read 'no-such-file.json': No such file"));
+}

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,10 +49,10 @@ struct Experiment {
 
 /// Overrides given on the command line, applied in the order: set, then the others.
 struct Overrides {
-  std::vector<std::string> set;     ///< "json.path=value"; the value is JSON, or else a text
-  std::vector<std::string> agents;  ///< replaces the file's agents if not empty
-  std::optional<std::uint32_t> trials;
-  std::optional<std::uint64_t> seed;
+  std::vector<std::string> set{};     ///< "json.path=value"; the value is JSON, or else a text
+  std::vector<std::string> agents{};  ///< replaces the file's agents if not empty
+  std::optional<std::uint32_t> trials{};
+  std::optional<std::uint64_t> seed{};
 };
 
 /// Reads, validates and resolves an experiment file. Throws InputError: file, line and column of a syntax error; JSON

@@ -80,7 +80,9 @@ TEST_CASE("equal samples and seeds give equal intervals, alone and together") {
   REQUIRE(together.size() == 2);
   CHECK(together[0].low == bootstrap_ci95(a, 11).low);
   CHECK(together[1].high == bootstrap_ci95(b, 11).high);
-  CHECK(bootstrap_ci95(a, 11).low != bootstrap_ci95(a, 12).low);
+  Sample many;
+  for (int i = 0; i < 100; ++i) many.push_back(std::sqrt(i));
+  CHECK(bootstrap_ci95(many, 11).low != bootstrap_ci95(many, 12).low);
   CHECK(bootstrap_ci95(std::span<const std::span<const double>>{}, 1).empty());
 }
 

@@ -1,1 +1,324 @@
+#include "common/store/result_store.hpp"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
+#include <fstream>
+
+#include "common/base/digest.hpp"
+#include "common/base/error.hpp"
+#include "common/base/random.hpp"
+#include "common/experiment/text_file.hpp"
+
+using namespace aloft;
+using namespace aloft::store;
+using Catch::Matchers::Contains;
+using experiment::Experiment;
+using experiment::FlightKey;
+using experiment::read_text_file;
+
+namespace {
+
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "aloft-store-test-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a scratch folder");
+    path_ = pattern;
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Experiment small(std::uint64_t seed = 1) {
+  return experiment::parse(R"({"name": "small", "trials": 20, "world": {"bs_density_per_km2": [1, 5]},
+                               "agents": ["min-height", "constant-120"], "seed": )" +
+                               std::to_string(seed) + "}",
+                           "test");
+}
+
+/// A flight of three steps at 40, 50 and 50 m with these qualities: mean height 140/3, one change.
+std::string flight_with(double qos, std::uint32_t steps = 3) {
+  flight::FlightRecord record;
+  record.height_start_m = 40.0;
+  record.pilots = {"someone"};
+  for (std::uint32_t step = 1; step <= steps; ++step)
+    record.steps.push_back(
+        {step, agents::Action::up, 10.0 * step, 0.0, step == 1 ? 40.0 : 50.0, 3, 1.0, qos, qos, 0, {}});
+  return encode_trace(record);
+}
+
+const FlightKey first{0, 0, "min-height"};
+const FlightKey second{0, 0, "constant-120"};
+const FlightKey later{1, 7, "min-height"};
+
+void run_sql(const std::filesystem::path& dir, const std::string& sql) {
+  SQLite::Database database((dir / "results.sqlite").string(), SQLite::OPEN_READWRITE);
+  REQUIRE(database.exec(sql) == 1);
+}
+
+}  // namespace
+
+TEST_CASE("flights come back in canonical order, whatever the order of storing") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  CHECK(results.add(later, flight_with(3.0)) == Stored::added);
+  CHECK(results.add(second, flight_with(2.0)) == Stored::added);
+  CHECK(results.add(first, flight_with(1.0)) == Stored::added);
+  const auto flights = results.flights();
+  REQUIRE(flights.size() == 3);
+  CHECK(flights[0].key == first);
+  CHECK(flights[1].key == second);  // the experiment's order of agents, not the alphabet's
+  CHECK(flights[2].key == later);
+  CHECK(flights[2].qos_mean == 3.0);
+  CHECK(flights[2].height_mean_m == Approx(140.0 / 3.0));
+  CHECK(flights[2].height_changes == 1);
+  CHECK(flights[2].digest == sha256_hex(flight_with(3.0)));
+  CHECK(results.keys() == std::set<FlightKey>{first, second, later});
+  CHECK(results.trace(later) == flight_with(3.0));
+}
+
+TEST_CASE("the digest depends on what was flown, not on the order or number of sessions") {
+  const Folder folder;
+  std::string one_go;
+  {
+    auto results = ResultStore::open_for_writing(folder / "a", small());
+    results.batch([&] {
+      (void)results.add(first, flight_with(1.0));
+      (void)results.add(later, flight_with(3.0));
+    });
+    one_go = results.digest();
+  }
+  { (void)ResultStore::open_for_writing(folder / "b", small()).add(later, flight_with(3.0)); }
+  CHECK(ResultStore::open_for_reading(folder / "b").digest() != one_go);
+  { (void)ResultStore::open_for_writing(folder / "b", small()).add(first, flight_with(1.0)); }
+  CHECK(ResultStore::open_for_reading(folder / "b").digest() == one_go);
+  // By hand: a line per flight.
+  CHECK(one_go == sha256_hex("0 0 min-height " + sha256_hex(flight_with(1.0)) + "\n1 7 min-height " +
+                             sha256_hex(flight_with(3.0)) + "\n"));
+}
+
+TEST_CASE("storing again is a no-op, storing something else is a loud error") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  CHECK(results.add(first, flight_with(1.0)) == Stored::added);
+  CHECK(results.add(first, flight_with(1.0)) == Stored::already_there);
+  CHECK_THROWS_AS(results.add(first, flight_with(1.5)), IntegrityError);
+  CHECK_THROWS_WITH(results.add(first, flight_with(1.5)), Contains("condition 0, trial 0, agent 'min-height'"));
+  CHECK(results.flights().at(0).qos_mean == 1.0);
+}
+
+TEST_CASE("damaged traces, empty flights and flights of no experiment are not stored") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  CHECK_THROWS_AS(results.add(first, "not a trace"), IntegrityError);
+  CHECK_THROWS_AS(results.add(first, flight_with(1.0, 0)), IntegrityError);
+  CHECK_THROWS_AS(results.add({2, 0, "min-height"}, flight_with(1.0)), std::logic_error);
+  CHECK_THROWS_AS(results.add({0, 20, "min-height"}, flight_with(1.0)), std::logic_error);
+  CHECK_THROWS_AS(results.add({0, 0, "dqn"}, flight_with(1.0)), std::logic_error);
+  CHECK(results.keys().empty());
+}
+
+TEST_CASE("a batch is stored as a whole or not at all") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  CHECK_THROWS_AS(results.batch([&] {
+    (void)results.add(first, flight_with(1.0));
+    (void)results.add(second, "not a trace");
+  }),
+                  IntegrityError);
+  CHECK(results.keys().empty());
+  CHECK(results.add(first, flight_with(1.0)) == Stored::added);
+  CHECK_THROWS_AS(results.batch([&] { results.batch([] {}); }), std::logic_error);
+}
+
+TEST_CASE("readers see what is committed while a writer goes on") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  (void)results.add(first, flight_with(1.0));
+  results.batch([&] {
+    (void)results.add(second, flight_with(2.0));
+    CHECK(ResultStore::open_for_reading(folder / "out").flights().size() == 1);
+  });
+  const auto reader = ResultStore::open_for_reading(folder / "out");
+  CHECK(reader.flights().size() == 2);
+  CHECK(reader.experiment().id == small().id);
+  CHECK_THROWS_WITH(reader.trace(later), Contains("trial 7"));
+}
+
+TEST_CASE("a stored flight survives kill -9 of its writer") {
+  const Folder folder;
+  const pid_t child = fork();
+  if (child == 0) {
+    auto results = ResultStore::open_for_writing(folder / "out", small());
+    (void)results.add(first, flight_with(1.0));
+    results.batch([&] {
+      (void)results.add(second, flight_with(2.0));
+      kill(getpid(), SIGKILL);
+    });
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  REQUIRE(WIFSIGNALED(status));
+  CHECK(ResultStore::open_for_reading(folder / "out").keys() == std::set<FlightKey>{first});
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  CHECK(results.add(second, flight_with(2.0)) == Stored::added);
+}
+
+TEST_CASE("experiment.json holds the resolved experiment and the build, and can be run again") {
+  const Folder folder;
+  { (void)ResultStore::open_for_writing(folder / "out", small()); }
+  const std::string text = read_text_file(folder / "out" / "experiment.json");
+  CHECK_THAT(text, Contains("\"los_ray\": \"published\"") && Contains("\"build\": \"0.1.0"));
+  CHECK(experiment::load(folder / "out" / "experiment.json").id == small().id);
+  std::filesystem::remove(folder / "out" / "experiment.json");
+  { (void)ResultStore::open_for_writing(folder / "out", small()); }
+  CHECK(read_text_file(folder / "out" / "experiment.json") == text);
+}
+
+TEST_CASE("a folder with other results or other files is refused and left alone") {
+  const Folder folder;
+  { (void)ResultStore::open_for_writing(folder / "out", small(3)).add(first, flight_with(1.0)); }
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "out", small(4)),
+                    Contains("another experiment") && Contains("seed: 3") && Contains("4") && Contains("--out"));
+  CHECK(ResultStore::open_for_reading(folder / "out").flights().size() == 1);
+
+  std::filesystem::create_directory(folder / "letters");
+  std::ofstream(folder / "letters" / "dear.txt") << "Dear all";
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "letters", small()),
+                    Contains("dear.txt") && Contains("--out"));
+  CHECK_FALSE(std::filesystem::exists(folder / "letters" / "results.sqlite"));
+  CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "letters"),
+                    Contains("letters") && Contains("no result folder"));
+
+  {
+    SQLite::Database(folder / "foreign.sqlite", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
+        .exec("CREATE TABLE t (x)");
+  }
+  std::filesystem::create_directory(folder / "foreign");
+  std::filesystem::rename(folder / "foreign.sqlite", folder / "foreign" / "results.sqlite");
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "foreign", small()), Contains("another program"));
+  CHECK_THROWS_AS(ResultStore::open_for_reading(folder / "foreign"), InputError);
+}
+
+TEST_CASE("a folder that cannot be written is refused") {
+  const Folder folder;
+  std::ofstream(folder / "file") << "x";
+  CHECK_THROWS_AS(ResultStore::open_for_writing(folder / "file" / "below", small()), InputError);
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "file", small()), Contains("file") && Contains("--out"));
+  CHECK_THROWS_AS(ResultStore::open_for_writing("/proc/aloft", small()), InputError);
+}
+
+TEST_CASE("two writers at once are refused") {
+  const Folder folder;
+  const auto results = ResultStore::open_for_writing(folder / "out", small());
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "out", small()), Contains("another Aloft process"));
+}
+
+TEST_CASE("an interrupted creation is taken up again") {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "out");
+  std::ofstream(folder / "out" / "results.sqlite").flush();  // empty
+  CHECK(ResultStore::open_for_writing(folder / "out", small()).keys().empty());
+}
+
+TEST_CASE("altered rows are refused with a hint") {
+  const Folder folder;
+  { (void)ResultStore::open_for_writing(folder / "out", small()).add(first, flight_with(1.0)); }
+  const auto dir = folder / "out";
+  SECTION("a number") {
+    run_sql(dir, "UPDATE flight SET qos_mean = 2.0");
+  }
+  SECTION("a trial") {
+    run_sql(dir, "UPDATE flight SET trial = 1");
+  }
+  SECTION("a position") {
+    run_sql(dir, "UPDATE flight SET id = 3");
+  }
+  SECTION("a digest") {
+    run_sql(dir, "UPDATE flight SET digest = 'x'");
+  }
+  const auto results = ResultStore::open_for_reading(dir);
+  CHECK_THROWS_AS(results.flights(), IntegrityError);
+  CHECK_THROWS_AS(results.keys(), IntegrityError);
+  CHECK_THROWS_AS(results.digest(), IntegrityError);
+  CHECK_THROWS_WITH(results.flights(), Contains("results.sqlite") && Contains("Restore"));
+}
+
+TEST_CASE("an altered trace or experiment is refused") {
+  const Folder folder;
+  { (void)ResultStore::open_for_writing(folder / "out", small()).add(first, flight_with(1.0)); }
+  run_sql(folder / "out", "UPDATE trace SET bytes = substr(bytes, 1, 20)");
+  CHECK_THROWS_AS(ResultStore::open_for_reading(folder / "out").trace(first), IntegrityError);
+  run_sql(folder / "out", "UPDATE experiment SET canonical = replace(canonical, 'small', 'smell')");
+  CHECK_THROWS_AS(ResultStore::open_for_reading(folder / "out"), IntegrityError);
+  CHECK_THROWS_AS(ResultStore::open_for_writing(folder / "out", small()), IntegrityError);
+}
+
+TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
+  const Folder folder;
+  const auto file = folder / "out" / "results.sqlite";
+  std::vector<double> true_qos;
+  std::vector<std::string> true_digests;
+  {
+    auto results = ResultStore::open_for_writing(folder / "out", small());
+    for (std::uint32_t trial = 0; trial < 20; ++trial)
+      (void)results.add({0, trial, "min-height"}, flight_with(1.0 + trial, 40));
+    for (const FlightSummary& flight : results.flights()) {
+      true_qos.push_back(flight.qos_mean);
+      true_digests.push_back(flight.digest);
+    }
+  }
+  const std::string intact = read_text_file(file);
+  const auto still_right = [&](const std::string& bytes) {
+    std::ofstream(file, std::ios::trunc) << bytes;
+    try {
+      const auto results = ResultStore::open_for_reading(folder / "out");
+      std::vector<double> qos;
+      std::vector<std::string> digests;
+      for (const FlightSummary& flight : results.flights()) {
+        qos.push_back(flight.qos_mean);
+        digests.push_back(sha256_hex(results.trace(flight.key)));
+      }
+      CHECK(qos == true_qos);
+      CHECK(digests == true_digests);
+      return true;
+    } catch (const IntegrityError&) {
+      return false;
+    } catch (const InputError&) {  // a flip in the identity or the version of the format
+      return false;
+    }
+  };
+  REQUIRE(still_right(intact));
+  RandomStream random(5, 0, "bit flips");
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    const std::uint32_t bit = random.uniform_index(static_cast<std::uint32_t>(intact.size() * 8));
+    std::string flipped = intact;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
+    refused += still_right(flipped) ? 0 : 1;
+  }
+  CHECK(refused > 100);  // the rest hit unused bytes
+  for (std::size_t size = 1; size < intact.size(); size += intact.size() / 20)
+    CHECK_FALSE(still_right(intact.substr(0, size)));
+}
+
+TEST_CASE("a summary of stored flights") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  (void)results.add(first, flight_with(1.0));
+  (void)results.add(second, flight_with(3.0));
+  const nlohmann::ordered_json summary = summarise(results);
+  CHECK(summary["experiment"] == "small");
+  CHECK(summary["conditions"][0]["agents"]["constant-120"]["gain_over_min_height_mean"] == 2.0);
+  CHECK(summary["conditions"][0]["parameters"]["bs_density_per_km2"] == 1);
+  CHECK(summary["build"].get<std::string>().starts_with("0.1.0"));
+}

@@ -16,6 +16,7 @@ using flight::FlightRecord;
 using flight::StepRecord;
 
 constexpr std::uint32_t trace_version = 1;
+constexpr std::size_t max_name_length = 64;
 
 bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -67,6 +68,11 @@ void require(bool holds, std::string_view what) {
   if (!holds) throw IntegrityError(fmt::format("the trace of a flight is damaged: {}", what));
 }
 
+bool is_name(const std::string& text) {
+  return !text.empty() && text.size() <= max_name_length &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
 void check_columns(const proto::Trace& trace) {
   const int rows = trace.action_size();
   for (const int size : {trace.x_m_size(), trace.y_m_size(), trace.height_m_size(), trace.serving_cell_size(),
@@ -78,6 +84,7 @@ void check_columns(const proto::Trace& trace) {
        {trace.epsilon_size(), trace.loss_size(), trace.q_down_size(), trace.q_hold_size(), trace.q_up_size()})
     require(size == trace.thoughts_row_size(), "its columns of thoughts have different lengths");
   require(rows == 0 || trace.pilots_size() > 0, "it names no pilot");
+  require(std::all_of(trace.pilots().begin(), trace.pilots().end(), is_name), "a pilot's name is not a name");
 }
 
 StepRecord step_at(const proto::Trace& trace, int row) {

@@ -167,7 +167,8 @@ struct Reader<T>::State {
       return false;
     }
     if constexpr (belongs_to_experiment<T>) {
-      if (!experiment.empty() && sample.experiment_id() != experiment) {
+      // An empty id belongs to any experiment: a foreign agent need not know which one runs.
+      if (!experiment.empty() && sample.experiment_id() != experiment && sample.experiment_id() != "") {
         drops->foreign("another experiment");
         return false;
       }

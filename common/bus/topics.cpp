@@ -22,7 +22,7 @@ template <> const TopicSettings& topic_settings<wire::World>() noexcept         
 template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   Scope::worker,     false, 8,    max_streams, false}; return row; }
 template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   Scope::worker,     false, 8,    max_streams, true};  return row; }
 template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     Scope::worker,     true,  1,    max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   Scope::privileged, false, 4096, max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   Scope::privileged, false, 16384, max_streams, false}; return row; }
 // clang-format on
 
 }  // namespace aloft::bus

@@ -1,0 +1,240 @@
+#include "services/agent_host/agent_host.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "common/bus/convert.hpp"
+#include "common/bus/endpoint.hpp"
+#include "common/bus/waiter.hpp"
+#include "common/experiment/experiment.hpp"
+#include "services/agent_host/pilot.hpp"
+#include "services/agent_host/thread_pool.hpp"
+
+namespace aloft::agent_host {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Verdict = Pilot::Verdict;
+
+constexpr std::chrono::milliseconds status_period{500};
+constexpr std::chrono::milliseconds liveliness_period{100};
+
+/// Proves that this process lives, also while an agent thinks for long.
+class LivelinessTimer {
+ public:
+  explicit LivelinessTimer(bus::Writer<wire::HeightCommand>& commands)
+      : thread_([this, &commands] {
+          std::unique_lock lock(mutex_);
+          while (!ending_) {
+            commands.assert_liveliness();
+            changed_.wait_for(lock, liveliness_period);
+          }
+        }) {}
+  ~LivelinessTimer() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+  LivelinessTimer(const LivelinessTimer&) = delete;
+  LivelinessTimer& operator=(const LivelinessTimer&) = delete;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace
+
+struct AgentHost::State {
+  State(const bus::BusOptions& place, const AgentHostOptions& wanted, bus::StopSignal& stop_signal)
+      : options(wanted), stop(stop_signal), participant(place), commands(participant, {.strength = wanted.strength}) {
+    waiter.add(controls);
+    waiter.add(reports);
+    if (options.threads > 0) pool.emplace(options.threads);
+  }
+
+  void run() {
+    auto next_status = Clock::now();
+    while (!stop.requested() && !over) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_status - Clock::now());
+      waiter.wait(std::max(left, std::chrono::milliseconds(0)));
+      controls.drain([this](const wire::RunControl& control) { on_control(control); });
+      if (profiles) profiles->drain([this](const wire::HeightProfile& profile) { on_profile(profile); });
+      reports.drain([this](const wire::ChannelReport& report) { on_report(report); });
+      finish_thoughts();
+      if (Clock::now() < next_status) continue;
+      publish_status(wire::AGENT_READY);
+      next_status = Clock::now() + status_period;
+    }
+    pool.reset();
+    publish_status(wire::AGENT_STOPPED);
+  }
+
+  void on_control(const wire::RunControl& control) {
+    over = control.state() != wire::RUN_RUNNING;
+    if (over) spdlog::info("the run is over");
+    if (over || (experiment && control.experiment_id() == experiment->id)) return;
+    if (pool) pool.emplace(options.threads);  // thoughts about another experiment end first
+    finished.clear();
+    pilots.clear();
+    served.clear();
+    experiment.emplace(experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
+    reports.expect_experiment(experiment->id);
+    for (const agents::AgentSpec& spec : experiment->agents) serve(spec);
+    publish_status(wire::AGENT_READY);
+  }
+
+  void serve(const agents::AgentSpec& spec) {
+    const agents::AgentType& type = agents::agent_type(spec.type);
+    if (type.foreign || type.learns != options.learners) return;
+    served.push_back(&spec);
+    spdlog::info("serves agent {}", spec.name);
+    // Only a process that serves a privileged agent joins the partition where the future is told.
+    if (type.privilege == agents::Privilege::none || profiles) return;
+    profiles.emplace(participant);
+    waiter.add(*profiles);
+  }
+
+  void on_report(const wire::ChannelReport& report) {
+    if (Pilot* pilot = pilot_of(report)) go_on(*pilot, pilot->offer(report));
+  }
+
+  void on_profile(const wire::HeightProfile& profile) {
+    const auto at = pilots.find(profile.stream());
+    if (at == pilots.end()) {
+      early_profiles(profile);
+      return;
+    }
+    at->second->foresee(profile);
+    resume(*at->second);
+  }
+
+  /// Profiles may overtake the first report of a stream.
+  void early_profiles(const wire::HeightProfile& profile) {
+    constexpr std::size_t max_early = 8192;
+    if (early.size() == max_early) early.clear();  // the channel sends again what is missed
+    early.push_back(profile);
+  }
+
+  Pilot* pilot_of(const wire::ChannelReport& report) {
+    const auto at = pilots.find(report.stream());
+    if (at != pilots.end() && report.agent() == at->second->spec().name) return at->second.get();
+    const auto spec = std::find_if(served.begin(), served.end(),
+                                   [&](const agents::AgentSpec* one) { return report.agent() == one->name; });
+    if (spec == served.end() || (at != pilots.end() && at->second->thinking())) return nullptr;
+    auto& pilot = pilots[report.stream()];
+    pilot = std::make_unique<Pilot>(**spec, report.stream());
+    std::erase_if(early, [&](const wire::HeightProfile& profile) {
+      if (profile.stream() != report.stream()) return false;
+      pilot->foresee(profile);
+      return true;
+    });
+    return pilot.get();
+  }
+
+  void resume(Pilot& pilot) {
+    while (!pilot.thinking()) {
+      const Verdict verdict = pilot.resume();
+      if (verdict == Verdict::nothing) return;
+      go_on(pilot, verdict);
+    }
+  }
+
+  void go_on(Pilot& pilot, Verdict verdict) {
+    if (verdict == Verdict::answer) commands.write(pilot.answer());
+    if (verdict != Verdict::think) return;
+    if (!pool) {
+      pilot.task().run();
+      finish(pilot);
+      return;
+    }
+    pool->submit([this, &pilot] {
+      pilot.task().run();
+      {
+        const std::lock_guard lock(finished_mutex);
+        finished.push_back(&pilot);
+      }
+      waiter.wake();
+    });
+  }
+
+  /// Height commands are written here and nowhere else: by the loop.
+  void finish_thoughts() {
+    std::vector<Pilot*> done;
+    {
+      const std::lock_guard lock(finished_mutex);
+      done.swap(finished);
+    }
+    for (Pilot* pilot : done) finish(*pilot);
+  }
+
+  void finish(Pilot& pilot) {
+    if (!pilot.task().error.empty())
+      spdlog::error("agent {}: {}; asks for the flight to start again", pilot.spec().name, pilot.task().error);
+    if (pilot.finish() == Verdict::answer) commands.write(pilot.answer());
+    resume(pilot);
+  }
+
+  void publish_status(wire::AgentState idle_state) {
+    for (const agents::AgentSpec* spec : served) {
+      const agents::AgentType& type = agents::agent_type(spec->type);
+      wire::AgentStatus status;
+      status.agent(wire::name(spec->name));
+      status.process(wire::name(participant.options().process));
+      status.experiment_id(wire::experiment_id(experiment->id));
+      status.type(wire::name(spec->type));
+      status.privilege(bus::to_wire(type.privilege));
+      status.pid(static_cast<std::uint32_t>(getpid()));
+      status.state(idle_state);
+      for (const auto& [stream, pilot] : pilots) {
+        if (&pilot->spec() != spec) continue;
+        status.flights(status.flights() + pilot->flights());
+        if (idle_state == wire::AGENT_READY && pilot->flying()) status.state(wire::AGENT_FLYING);
+      }
+      statuses.write(status);
+    }
+  }
+
+  AgentHostOptions options;
+  bus::StopSignal& stop;
+  bus::Participant participant;
+  bus::Writer<wire::HeightCommand> commands;
+  bus::Writer<wire::AgentStatus> statuses{participant};
+  bus::Reader<wire::RunControl> controls{participant};
+  bus::Reader<wire::ChannelReport> reports{participant};
+  std::optional<bus::Reader<wire::HeightProfile>> profiles;
+  bus::Waiter waiter{stop};
+  LivelinessTimer liveliness{commands};
+
+  std::optional<experiment::Experiment> experiment;
+  std::vector<const agents::AgentSpec*> served;
+  std::map<std::uint32_t, std::unique_ptr<Pilot>> pilots;  // by stream
+  std::vector<wire::HeightProfile> early;
+  bool over = false;
+
+  std::mutex finished_mutex;
+  std::vector<Pilot*> finished;
+  std::optional<ThreadPool> pool;  // last: its threads use what stands above
+};
+
+AgentHost::AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, bus::StopSignal& stop)
+    : state_(std::make_unique<State>(place, options, stop)) {}
+
+AgentHost::~AgentHost() = default;
+
+void AgentHost::run() {
+  state_->run();
+}
+
+}  // namespace aloft::agent_host

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/bus/participant.hpp"
+#include "common/bus/stop_signal.hpp"
+
+namespace aloft::agent_host {
+
+struct AgentHostOptions {
+  bool learners = false;        ///< serve the types that learn, else those that do not
+  unsigned threads = 0;         ///< agents think in so many threads; 0: in the loop itself
+  std::uint32_t strength = 10;  ///< of the height commands: the strongest live process flies
+};
+
+/// Serves every agent of the running experiment that is of its kind, on every stream of its worker, until the run ends
+/// or a stop is requested.
+class AgentHost {
+ public:
+  AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, bus::StopSignal& stop);
+  ~AgentHost();
+  AgentHost(const AgentHost&) = delete;
+  AgentHost& operator=(const AgentHost&) = delete;
+
+  void run();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace aloft::agent_host

@@ -1,0 +1,147 @@
+#include "services/agent_host/pilot.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "common/bus/convert.hpp"
+
+namespace aloft::agent_host {
+namespace {
+
+constexpr std::size_t max_kept = 8;
+
+/// Attempts are numbered in the order in which a channel starts flights; the numbers may wrap around.
+bool older(std::uint32_t a, std::uint32_t b) noexcept {
+  return static_cast<std::int32_t>(a - b) < 0;
+}
+
+}  // namespace
+
+void Task::run() noexcept try {
+  if (begins) {
+    agent = spec->make();
+    agent->begin(*begins);
+  }
+  for (const agents::HeightProfile& profile : profiles) agent->foresee(profile);
+  agent->observe(observation);
+  if (!observation.last) command = agent->act();
+} catch (const std::exception& failure) {
+  error = failure.what();
+}
+
+Pilot::Pilot(const agents::AgentSpec& spec, std::uint32_t stream) : spec_(spec), type_(agents::agent_type(spec.type)) {
+  task_.spec = &spec;
+  answer_.stream(stream);
+  answer_.agent(wire::name(spec.name));
+}
+
+Pilot::Verdict Pilot::offer(const wire::ChannelReport& report) {
+  if (known_ && older(report.attempt(), attempt_)) return Verdict::nothing;
+  const bool same = known_ && report.attempt() == attempt_ && report.episode_id() == episode_;
+  if (thinking_) {
+    if (!same) keep(report);
+    return Verdict::nothing;
+  }
+  if (same && report.step() < expected_)
+    return answered_ && report.step() + 1 == expected_ ? Verdict::answer : Verdict::nothing;
+  const bool begins = !same && report.step() == 0;
+  if (!begins && (!same || report.step() > expected_)) return unknown(report);
+  if (!profiles_complete(report)) {
+    keep(report);
+    return Verdict::nothing;
+  }
+  return think(report, begins);
+}
+
+Pilot::Verdict Pilot::resume() {
+  std::vector<wire::ChannelReport> reports;
+  reports.swap(kept_);
+  for (auto report = reports.begin(); report != reports.end(); ++report) {
+    const Verdict verdict = offer(*report);
+    if (verdict == Verdict::nothing) continue;
+    kept_.insert(kept_.end(), std::make_move_iterator(report + 1), std::make_move_iterator(reports.end()));
+    return verdict;
+  }
+  return Verdict::nothing;
+}
+
+void Pilot::foresee(const wire::HeightProfile& message) {
+  if (!profiles_.empty() && message.attempt() != profiles_attempt_) {
+    if (older(message.attempt(), profiles_attempt_)) return;
+    profiles_.clear();
+  }
+  const bool whole_route = type_.privilege == agents::Privilege::whole_route;
+  if (known_ && (older(message.attempt(), attempt_) ||
+                 (message.attempt() == attempt_ && (whole_route || message.step() <= expected_))))
+    return;  // the report that needed it has been handled
+  profiles_attempt_ = message.attempt();
+  profiles_.insert_or_assign(message.step(), bus::profile(message));
+}
+
+bool Pilot::profiles_complete(const wire::ChannelReport& report) const {
+  if (type_.privilege == agents::Privilege::none || report.last()) return true;
+  const bool whole_route = type_.privilege == agents::Privilege::whole_route;
+  if (whole_route && report.step() > 0) return true;
+  if (profiles_.empty() || profiles_attempt_ != report.attempt()) return false;
+  return whole_route ? profiles_.size() == report.steps() : profiles_.contains(report.step() + 1);
+}
+
+Pilot::Verdict Pilot::think(const wire::ChannelReport& report, bool begins) {
+  episode_ = report.episode_id();
+  attempt_ = report.attempt();
+  expected_ = report.step() + 1;
+  known_ = true;
+  flying_ = !report.last();
+  answered_ = false;
+  thinking_ = true;
+  address(report);
+  task_.begins.reset();
+  if (begins) task_.begins = bus::flight_info(report);
+  task_.profiles.clear();
+  for (auto& [step, profile] : profiles_)
+    if (profiles_attempt_ == attempt_ && type_.privilege != agents::Privilege::none && !report.last())
+      task_.profiles.push_back(std::move(profile));
+  profiles_.clear();
+  task_.observation = bus::observation(report);
+  task_.command.reset();
+  task_.error.clear();
+  return Verdict::think;
+}
+
+Pilot::Verdict Pilot::finish() {
+  thinking_ = false;
+  if (!task_.error.empty()) {
+    known_ = flying_ = false;
+    answer_.action(wire::ACTION_UNKNOWN_FLIGHT);
+    return Verdict::answer;
+  }
+  if (!task_.command) {
+    ++flights_;
+    return Verdict::nothing;
+  }
+  bus::put(answer_, *task_.command);
+  answered_ = true;
+  return Verdict::answer;
+}
+
+Pilot::Verdict Pilot::unknown(const wire::ChannelReport& report) {
+  if (report.last()) return Verdict::nothing;
+  known_ = flying_ = answered_ = false;
+  address(report);
+  bus::put(answer_, agents::Command{});
+  answer_.action(wire::ACTION_UNKNOWN_FLIGHT);
+  return Verdict::answer;
+}
+
+void Pilot::keep(const wire::ChannelReport& report) {
+  if (kept_.size() == max_kept) kept_.erase(kept_.begin());
+  kept_.push_back(report);
+}
+
+void Pilot::address(const wire::ChannelReport& report) {
+  answer_.episode_id(report.episode_id());
+  answer_.attempt(report.attempt());
+  answer_.step(report.step() + 1);
+}
+
+}  // namespace aloft::agent_host

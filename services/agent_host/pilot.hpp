@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/agents/registry.hpp"
+#include "common/bus/wire.hpp"
+
+namespace aloft::agent_host {
+
+/// What an agent has to think about next. Self-contained, so that it may run in another thread.
+struct Task {
+  const agents::AgentSpec* spec = nullptr;
+  std::unique_ptr<agents::Agent> agent;      ///< made by run() if a flight begins
+  std::optional<agents::FlightInfo> begins;  ///< set: a new flight
+  std::vector<agents::HeightProfile> profiles;
+  agents::Observation observation;
+  std::optional<agents::Command> command;  ///< the result; none after the last report
+  std::string error;                       ///< why the agent could not go on; empty if it could
+
+  void run() noexcept;
+};
+
+/// One agent on one stream: which flight, which step, what was answered. Handles every report exactly once, however
+/// often it comes. No bus, no clock; from one thread.
+class Pilot {
+ public:
+  /// `spec` must outlive the pilot.
+  Pilot(const agents::AgentSpec& spec, std::uint32_t stream);
+
+  enum class Verdict : std::uint8_t {
+    nothing,  ///< stale, a repetition of what is being thought about, or a profile is still missing
+    answer,   ///< send answer()
+    think,    ///< run task(), then call finish()
+  };
+
+  /// A report for this agent. While a task runs, and while a profile is missing, reports are kept for resume().
+  Verdict offer(const wire::ChannelReport& report);
+  /// The reports that were kept, one per call; `nothing` when no more can be handled now.
+  Verdict resume();
+  /// A profile, before or after the report that needs it; then call resume().
+  void foresee(const wire::HeightProfile& profile);
+
+  [[nodiscard]] Task& task() noexcept { return task_; }
+  /// The task has run. Answer: send answer(); nothing: the flight is over.
+  Verdict finish();
+
+  [[nodiscard]] wire::HeightCommand& answer() noexcept { return answer_; }
+  [[nodiscard]] bool thinking() const noexcept { return thinking_; }
+  [[nodiscard]] bool flying() const noexcept { return flying_; }
+  /// Flights seen to their end.
+  [[nodiscard]] std::uint64_t flights() const noexcept { return flights_; }
+  [[nodiscard]] const agents::AgentSpec& spec() const noexcept { return spec_; }
+
+ private:
+  [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
+  Verdict think(const wire::ChannelReport& report, bool begins);
+  Verdict unknown(const wire::ChannelReport& report);
+  void keep(const wire::ChannelReport& report);
+  void address(const wire::ChannelReport& report);
+
+  const agents::AgentSpec& spec_;
+  const agents::AgentType& type_;
+  Task task_;
+  wire::HeightCommand answer_;
+  std::vector<wire::ChannelReport> kept_;
+  std::map<std::uint32_t, agents::HeightProfile> profiles_;  // of attempt profiles_attempt_
+  std::uint32_t profiles_attempt_ = 0;
+  std::uint64_t episode_ = 0;
+  std::uint32_t attempt_ = 0;
+  std::uint32_t expected_ = 0;  // step of the next report
+  std::uint64_t flights_ = 0;
+  bool known_ = false;     // episode_ and attempt_ name a flight of which the agent knows every step
+  bool flying_ = false;    // known_, and not over
+  bool answered_ = false;  // answer_ belongs to step expected_
+  bool thinking_ = false;
+};
+
+}  // namespace aloft::agent_host

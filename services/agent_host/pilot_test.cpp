@@ -1,0 +1,148 @@
+// One stream's side of the conversation, without a bus: every report is thought about once.
+#include "services/agent_host/pilot.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/convert.hpp"
+
+namespace aloft::agent_host {
+namespace {
+
+using Verdict = Pilot::Verdict;
+
+wire::ChannelReport report(std::uint32_t attempt, std::uint32_t step, std::uint32_t steps = 3) {
+  wire::ChannelReport message;
+  agents::FlightInfo flight;
+  flight.height_min_m = 40.0;
+  flight.height_max_m = 80.0;
+  flight.height_step_m = 10.0;
+  flight.steps = steps;
+  bus::put(message, flight);
+  agents::Observation observation;
+  observation.step = step;
+  observation.height_m = 40.0;
+  observation.last = step == steps;
+  bus::put(message, observation);
+  message.stream(7);
+  message.episode_id(99);
+  message.attempt(attempt);
+  return message;
+}
+
+wire::HeightProfile profile(std::uint32_t attempt, std::uint32_t step) {
+  wire::HeightProfile message;
+  message.stream(7);
+  message.episode_id(99);
+  message.attempt(attempt);
+  message.step(step);
+  message.height_min_m(40.0);
+  message.resolution_m(10.0);
+  message.qos({1.0, 2.0, 3.0, 2.0, 1.0});
+  return message;
+}
+
+agents::AgentSpec spec(const char* entry) {
+  return agents::parse_agents(nlohmann::json(entry), "test").at(0);
+}
+
+/// Thinks, as the host does.
+void think(Pilot& pilot) {
+  pilot.task().run();
+  REQUIRE(pilot.finish() == Verdict::answer);
+}
+
+}  // namespace
+
+TEST_CASE("a flight from the first to the last report; repetitions get the same answer") {
+  const agents::AgentSpec agent = spec("constant-60");
+  Pilot pilot(agent, 7);
+  REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);  // it is being thought about
+  think(pilot);
+  CHECK(pilot.answer().step() == 1);
+  CHECK(pilot.answer().action() == wire::ACTION_UP);
+  CHECK(pilot.offer(report(1, 0)) == Verdict::answer);
+  CHECK(pilot.answer().step() == 1);
+  REQUIRE(pilot.offer(report(1, 1)) == Verdict::think);
+  think(pilot);
+  CHECK(pilot.answer().step() == 2);
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);  // stale
+  REQUIRE(pilot.offer(report(1, 2)) == Verdict::think);
+  think(pilot);
+  REQUIRE(pilot.offer(report(1, 3)) == Verdict::think);
+  pilot.task().run();
+  CHECK(pilot.finish() == Verdict::nothing);
+  CHECK(pilot.flights() == 1);
+  CHECK_FALSE(pilot.flying());
+  CHECK(pilot.offer(report(1, 3)) == Verdict::nothing);
+}
+
+TEST_CASE("a flight of which the agent missed a report is unknown to it") {
+  const agents::AgentSpec agent = spec("min-height");
+  Pilot pilot(agent, 7);
+  REQUIRE(pilot.offer(report(1, 1)) == Verdict::answer);
+  CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
+  CHECK(pilot.answer().step() == 2);
+  REQUIRE(pilot.offer(report(2, 0)) == Verdict::think);
+  think(pilot);
+  REQUIRE(pilot.offer(report(2, 2)) == Verdict::answer);
+  CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
+}
+
+TEST_CASE("a new attempt starts afresh, and what comes late from the old one is ignored") {
+  const agents::AgentSpec agent = spec("min-height");
+  Pilot pilot(agent, 7);
+  REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
+  CHECK(pilot.offer(report(2, 0)) == Verdict::nothing);  // kept until the thought has ended
+  think(pilot);
+  REQUIRE(pilot.resume() == Verdict::think);
+  think(pilot);
+  CHECK(pilot.answer().attempt() == 2);
+  CHECK(pilot.offer(report(1, 1)) == Verdict::nothing);
+  CHECK(pilot.offer(report(0xFFFFFFFF, 1)) == Verdict::nothing);  // older, counted around zero
+}
+
+TEST_CASE("a report waits for the profile that it needs") {
+  const agents::AgentSpec agent = spec("one-step-ahead");
+  Pilot pilot(agent, 7);
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);
+  CHECK(pilot.resume() == Verdict::nothing);
+  pilot.foresee(profile(1, 1));
+  REQUIRE(pilot.resume() == Verdict::think);
+  CHECK(pilot.task().profiles.size() == 1);
+  think(pilot);
+  CHECK(pilot.answer().action() == wire::ACTION_UP);  // the best height is 60 m
+  pilot.foresee(profile(1, 1));                       // comes again: of no use any more
+  CHECK(pilot.offer(report(1, 1)) == Verdict::nothing);
+  pilot.foresee(profile(1, 2));
+  REQUIRE(pilot.resume() == Verdict::think);
+  CHECK(pilot.task().profiles.size() == 1);
+}
+
+TEST_CASE("an agent that plans the route waits for all profiles once, whatever their order") {
+  const agents::AgentSpec agent = spec("planner");
+  Pilot pilot(agent, 7);
+  for (const std::uint32_t step : {3U, 1U}) pilot.foresee(profile(1, step));
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);
+  pilot.foresee(profile(1, 2));
+  REQUIRE(pilot.resume() == Verdict::think);
+  REQUIRE(pilot.task().profiles.size() == 3);
+  CHECK(pilot.task().profiles[2].step == 3);
+  think(pilot);
+  pilot.foresee(profile(1, 2));  // sent again because the channel had asked twice
+  REQUIRE(pilot.offer(report(1, 1)) == Verdict::think);
+  CHECK(pilot.task().profiles.empty());
+}
+
+TEST_CASE("an agent that fails asks for the flight to start again") {
+  const agents::AgentSpec broken{"broken", "external", {}};
+  Pilot pilot(broken, 7);
+  REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
+  think(pilot);
+  CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
+  CHECK_FALSE(pilot.task().error.empty());
+  CHECK(pilot.offer(report(2, 0)) == Verdict::think);
+}
+
+}  // namespace aloft::agent_host

@@ -1,0 +1,18 @@
+// The agents that do not learn: the paper's baselines and the planners.
+#include "services/agent_host/agent_host.hpp"
+#include "services/runtime/service.hpp"
+
+int main(int argc, char** argv) {
+  using namespace aloft;
+  const runtime::ServiceInfo info{.name = "aloft-baseline-agent",
+                                  .description = "Flies UAVs with the agents that do not learn.",
+                                  .in_worker = true};
+  agent_host::AgentHostOptions options{.learners = false, .threads = 0};
+  return runtime::run_service(
+      argc, argv, info,
+      [&](CLI::App& app) {
+        app.add_option("--strength", options.strength, "Of two processes with the same agent, the stronger flies")
+            ->capture_default_str();
+      },
+      [&](runtime::Service& service) { agent_host::AgentHost(service.bus, options, service.stop).run(); });
+}

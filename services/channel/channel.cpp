@@ -1,0 +1,421 @@
+#include "services/channel/channel.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/bus/convert.hpp"
+#include "common/bus/endpoint.hpp"
+#include "common/bus/waiter.hpp"
+#include "common/store/result_store.hpp"
+#include "services/channel/agent_directory.hpp"
+#include "services/channel/episode.hpp"
+#include "services/channel/map_builder.hpp"
+#include "services/channel/outbox.hpp"
+#include "services/channel/trials.hpp"
+
+namespace aloft::channel {
+namespace {
+
+constexpr std::chrono::milliseconds tick_period{50};
+constexpr std::chrono::milliseconds status_period{500};
+constexpr std::chrono::seconds missing_after{3};
+constexpr std::chrono::seconds answer_limit{60};
+constexpr std::size_t max_leases = 64;
+constexpr std::size_t max_failures_told = 64;
+constexpr std::size_t max_waiting_for_storage = 32;
+
+std::string host_name() {
+  std::array<char, 64> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+double seconds(Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Attempts must differ from those of a channel that this one replaces: they count on from the time of day.
+std::uint32_t first_attempt() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+}
+
+}  // namespace
+
+struct Channel::State {
+  State(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop_signal)
+      : stop(stop_signal), participant(place), waiter(stop_signal), trials(options.lanes) {
+    waiter.add(controls);
+    waiter.add(worlds);
+    waiter.add(commands);
+    waiter.add(agent_statuses);
+    waiter.add(stored);
+  }
+
+  // --- the loop ---
+
+  void run() {
+    auto next_tick = Clock::now();
+    while (!stop.requested() && !over) {
+      waiter.wait(tick_period);
+      now = Clock::now();
+      controls.drain([this](const wire::RunControl& control) { on_control(control); });
+      if (!experiment) continue;
+      commands.drain([this](const wire::HeightCommand& command) { on_command(command); });
+      stored.drain([this](const wire::EpisodeStored& message) { on_stored(message); });
+      worlds.drain([this](const wire::World& world) { on_world(world); });
+      agent_statuses.drain([this](const wire::AgentStatus& status) { on_agent(status); });
+      for (MapBuilder::Built& built : builder.take()) on_map(built);
+      start_flights();
+      if (now >= next_tick) {
+        tick();
+        next_tick = now + tick_period;
+      }
+      give_up();
+      if (changed || now >= next_status) publish_status(capacity());
+    }
+    if (experiment) publish_status(0);
+  }
+
+  void tick() {
+    for (const std::string& name : agents.expire(now)) spdlog::warn("agent {} is silent; its flights wait", name);
+    for (std::unique_ptr<Episode>& episode : episodes) {
+      if (!episode) continue;
+      if (episode->silence(now) > answer_limit)
+        fail(lease_of(*episode),
+             fmt::format("agent {} did not answer for {} s", episode->agent().name, answer_limit.count()));
+      else if (episode->repeat_due(now))
+        ask(*episode);
+    }
+    outbox.send_due(now, [this](wire::EpisodeRecord& record) { records.write(record); });
+    tell_missing();
+  }
+
+  // --- what arrives ---
+
+  void on_control(const wire::RunControl& control) {
+    over = control.state() != wire::RUN_RUNNING;
+    if (over) spdlog::info("the run is over");
+    if (over || (experiment && control.experiment_id() == experiment->id)) return;
+    episodes.clear();
+    trials = Trials(trials.lanes());
+    agents.clear();
+    experiment = std::make_shared<experiment::Experiment>(
+        experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
+    episodes.resize(experiment->agents.size() * trials.lanes());
+    worlds.expect_experiment(experiment->id);
+    agent_statuses.expect_experiment(experiment->id);
+    stored.expect_experiment(experiment->id);
+    changed = true;
+    spdlog::info("experiment {} ({}): {} agents, {} lanes", experiment->name, experiment->id, experiment->agents.size(),
+                 trials.lanes());
+  }
+
+  void on_world(const wire::World& world) {
+    if (world.kind() == wire::WORLD_CANCELLED) return cancel(world.lease_id());
+    if (trials.knows(world.lease_id()) || trials.all().size() >= max_leases) return;
+    if (world.kind() == wire::WORLD_FAILED) {
+      trials.add(world.lease_id(), world.condition(), world.trial(), {});
+      return fail(world.lease_id(), std::string(wire::view(world.error())));
+    }
+    trials.add(world.lease_id(), world.condition(), world.trial(), wire::texts(world.agents()));
+    changed = true;
+    if (world.condition() >= experiment->conditions.size())
+      return fail(world.lease_id(), fmt::format("the experiment has no condition {}", world.condition()));
+    for (const wire::Name& agent : world.agents())
+      if (agent_index(wire::view(agent)) == experiment->agents.size())
+        return fail(world.lease_id(), fmt::format("the experiment has no agent {}", wire::view(agent)));
+    builder.submit(experiment, world);
+  }
+
+  void on_map(MapBuilder::Built& built) {
+    Trial* trial = trials.find(built.lease_id);
+    if (trial == nullptr) return;  // cancelled meanwhile
+    if (!built.map) return fail(built.lease_id, built.error);
+    trial->map = std::move(built.map);
+  }
+
+  void on_agent(const wire::AgentStatus& status) {
+    if (!agents.update(status, now)) return;
+    spdlog::info("agent {} is there (process {} {})", wire::view(status.agent()), wire::view(status.process()),
+                 status.pid());
+    changed = true;
+  }
+
+  void on_command(const wire::HeightCommand& command) {
+    if (command.stream() >= episodes.size() || !episodes[command.stream()]) return;
+    Episode& episode = *episodes[command.stream()];
+    switch (episode.accept(command, now)) {
+      case Episode::Outcome::ignored:
+        return;
+      case Episode::Outcome::stepped:
+        ++steps_done;
+        return ask(episode);
+      case Episode::Outcome::finished:
+        ++steps_done;
+        ask(episode);
+        return land(episode);
+      case Episode::Outcome::lost:
+        return start_again(episode);
+      case Episode::Outcome::forbidden:
+        return fail(lease_of(episode), fmt::format("agent {} may not jump to a height", episode.agent().name));
+    }
+  }
+
+  void on_stored(const wire::EpisodeStored& message) {
+    Trial* trial = trials.find(outbox.confirm(message.episode_id()));
+    if (trial == nullptr) return;
+    trial->unconfirmed.erase(message.episode_id());
+    forget_if_done(*trial);
+  }
+
+  // --- flights ---
+
+  void start_flights() {
+    for (Trial& trial : trials.all()) {
+      if (!trial.map || trial.waiting.empty()) continue;
+      if (trial.lane < 0 && !trials.take_lane(trial)) continue;
+      std::erase_if(trial.waiting, [&](const std::string& name) {
+        const AgentDirectory::Entry* agent = agents.find(name);
+        if (agent == nullptr) return false;
+        start(trial, name, agent->privilege);
+        return true;
+      });
+    }
+  }
+
+  void start(Trial& trial, const std::string& name, wire::Privilege declared) {
+    const std::size_t index = agent_index(name);
+    const agents::AgentSpec& spec = experiment->agents[index];
+    const agents::AgentType& type = agents::agent_type(spec.type);
+    EpisodeAddress address;
+    address.experiment_id = experiment->id;
+    address.episode_id = experiment::episode_id(*experiment, {trial.condition, trial.trial, name});
+    address.attempt = ++last_attempt;
+    address.stream = static_cast<std::uint32_t>(index) * trials.lanes() + static_cast<std::uint32_t>(trial.lane);
+    address.condition = trial.condition;
+    address.trial = trial.trial;
+    // Our own agents see what their type declares; only a foreign program may say so itself.
+    const agents::Privilege privilege = type.foreign ? bus::from_wire(declared) : type.privilege;
+    auto& episode = episodes[address.stream];
+    episode = std::make_unique<Episode>(address, spec, privilege, *trial.map, experiment->seed, now);
+    leases[address.stream] = trial.lease_id;
+    ++trial.in_the_air;
+    ask(*episode);
+  }
+
+  void ask(Episode& episode) {
+    try {
+      episode.ask(senders, now);
+    } catch (const std::exception& error) {
+      fail(lease_of(episode), fmt::format("agent {}: {}", episode.agent().name, error.what()));
+    }
+  }
+
+  void start_again(Episode& episode) {
+    const std::uint64_t lease = lease_of(episode);
+    const std::string name = episode.agent().name;
+    const std::uint32_t restarts = ++lost_histories[episode.address().episode_id];
+    if (restarts >= experiment->max_attempts)
+      return fail(lease, fmt::format("agent {} lost the history of its flight {} times; see its log", name, restarts));
+    spdlog::warn("agent {} has no history of its flight of condition {}, trial {}; it starts again", name,
+                 episode.address().condition, episode.address().trial);
+    episodes[episode.address().stream].reset();
+    Trial* trial = trials.find(lease);
+    --trial->in_the_air;
+    trial->waiting.push_back(name);
+  }
+
+  void land(const Episode& episode) {
+    Trial& trial = *trials.find(lease_of(episode));
+    const EpisodeAddress& address = episode.address();
+    wire::EpisodeRecord record;
+    record.experiment_id(wire::experiment_id(experiment->id));
+    record.episode_id(address.episode_id);
+    record.condition(address.condition);
+    record.trial(address.trial);
+    record.agent(wire::name(episode.agent().name));
+    record.worker(wire::name(participant.options().worker));
+    record.lease_id(trial.lease_id);
+    record.trace(wire::bytes(store::encode_trace(episode.flight().record())));
+    outbox.add(std::move(record), now);
+    outbox.send_due(now, [this](wire::EpisodeRecord& due) { records.write(due); });
+    lost_histories.erase(address.episode_id);
+    trial.unconfirmed.insert(address.episode_id);
+    --trial.in_the_air;
+    ++flights_done;
+    episodes[address.stream].reset();
+    if (!trial.flown()) return;
+    trials.give_back(trial);
+    changed = true;
+  }
+
+  void forget_if_done(Trial& trial) {
+    if (!trial.flown() || !trial.unconfirmed.empty()) return;
+    trials.remove(trial.lease_id);
+    changed = true;
+  }
+
+  void cancel(std::uint64_t lease) {
+    if (trials.find(lease) == nullptr) return;
+    for (std::size_t stream = 0; stream < episodes.size(); ++stream)
+      if (episodes[stream] && leases[static_cast<std::uint32_t>(stream)] == lease) episodes[stream].reset();
+    trials.remove(lease);
+    changed = true;
+  }
+
+  /// Notes that a lease cannot be finished; the coordinator decides what happens to its trial.
+  void fail(std::uint64_t lease, const std::string& reason) { failing.try_emplace(lease, reason); }
+
+  /// Gives up what failed, once nobody looks at its flights any more.
+  void give_up() {
+    for (const auto& [lease, reason] : failing) {
+      spdlog::error("lease {}: {}", lease, reason);
+      cancel(lease);
+      failures.emplace_back(lease, reason);
+      if (failures.size() > max_failures_told) failures.pop_front();
+    }
+    failing.clear();
+  }
+
+  // --- telling others ---
+
+  [[nodiscard]] std::uint32_t capacity() const {
+    // One trial more than can fly, so that its world and map are ready in time; and trials that only wait for the
+    // collector do not count.
+    return trials.lanes() + 1 +
+           static_cast<std::uint32_t>(std::min(trials.waiting_for_storage(), max_waiting_for_storage));
+  }
+
+  void publish_status(std::uint32_t capacity_wanted) {
+    wire::WorkerStatus status;
+    status.worker(wire::name(participant.options().worker));
+    status.experiment_id(wire::experiment_id(experiment->id));
+    status.host(wire::name(host));
+    status.pid(static_cast<std::uint32_t>(getpid()));
+    status.incarnation(incarnation);
+    status.heartbeat(++heartbeat);
+    status.capacity(capacity_wanted);
+    for (const Trial& trial : trials.all()) status.leases().push_back(trial.lease_id);
+    for (const auto& [lease, reason] : failures) {
+      status.failures().emplace_back();
+      status.failures().back().lease_id(lease);
+      status.failures().back().reason(wire::message(reason));
+    }
+    status.agents_ready(wire::names(agents.names()));
+    status.flights_done(flights_done);
+    status.steps_done(steps_done);
+    status.records_unconfirmed(static_cast<std::uint32_t>(outbox.size()));
+    status.drops(participant.drops());
+    status.missing(wire::message(missing));
+    statuses.write(status);
+    changed = false;
+    next_status = now + status_period;
+  }
+
+  /// Whom we wait for, in words; logged when it changes.
+  void tell_missing() {
+    std::vector<std::string> peers;
+    std::map<std::string, Clock::duration> silent;
+    for (const std::unique_ptr<Episode>& episode : episodes)
+      if (episode && episode->silence(now) > missing_after)
+        silent[episode->agent().name] = std::max(silent[episode->agent().name], episode->silence(now));
+    for (const auto& [name, silence] : silent)
+      peers.push_back(fmt::format("agent {} (no command for {:.0f} s)", name, seconds(silence)));
+    for (const std::string& name : absent_agents()) peers.push_back(fmt::format("agent {} (not there)", name));
+    if (outbox.silence(now) > missing_after)
+      peers.push_back(fmt::format("the collector ({} records unconfirmed)", outbox.size()));
+    if (worlds.matched() > 0) environment_seen = now;
+    if (now - environment_seen > missing_after) peers.emplace_back("the environment (not there)");
+    std::string text = fmt::format("{}", fmt::join(peers, ", "));
+    if (text == missing) return;
+    const bool others = text.substr(0, text.find('(')) != missing.substr(0, missing.find('('));
+    missing = std::move(text);
+    if (others) missing.empty() ? spdlog::info("nobody is missing") : spdlog::warn("waits for {}", missing);
+  }
+
+  /// Agents that a trial has been waiting for since more than missing_after.
+  [[nodiscard]] std::vector<std::string> absent_agents() {
+    std::vector<std::string> names;
+    for (const Trial& trial : trials.all())
+      if (trial.lane >= 0)
+        for (const std::string& name : trial.waiting)
+          if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    std::erase_if(absent_since,
+                  [&](const auto& entry) { return std::find(names.begin(), names.end(), entry.first) == names.end(); });
+    std::erase_if(names, [&](const std::string& name) {
+      return now - absent_since.try_emplace(name, now).first->second <= missing_after;
+    });
+    return names;
+  }
+
+  [[nodiscard]] std::size_t agent_index(std::string_view name) const {
+    const auto& all = experiment->agents;
+    return static_cast<std::size_t>(
+        std::find_if(all.begin(), all.end(), [&](const agents::AgentSpec& spec) { return spec.name == name; }) -
+        all.begin());
+  }
+
+  [[nodiscard]] std::uint64_t lease_of(const Episode& episode) const { return leases.at(episode.address().stream); }
+
+  bus::StopSignal& stop;
+  bus::Participant participant;
+  bus::Reader<wire::RunControl> controls{participant};
+  bus::Reader<wire::World> worlds{participant};
+  bus::Reader<wire::HeightCommand> commands{participant};
+  bus::Reader<wire::AgentStatus> agent_statuses{participant};
+  bus::Reader<wire::EpisodeStored> stored{participant};
+  bus::Writer<wire::ChannelReport> reports{participant};
+  bus::Writer<wire::HeightProfile> profiles{participant};
+  bus::Writer<wire::EpisodeRecord> records{participant};
+  bus::Writer<wire::WorkerStatus> statuses{participant};
+  bus::Waiter waiter;
+  const Episode::Senders senders{[this](wire::HeightProfile& profile) { profiles.write(profile); },
+                                 [this](wire::ChannelReport& report) { reports.write(report); }};
+
+  std::shared_ptr<const experiment::Experiment> experiment;
+  Trials trials;
+  std::vector<std::unique_ptr<Episode>> episodes;  // by stream
+  std::map<std::uint32_t, std::uint64_t> leases;   // by stream
+  std::map<std::uint64_t, std::uint32_t> lost_histories;
+  AgentDirectory agents;
+  Outbox outbox;
+
+  Clock::time_point now;
+  bool over = false;
+  bool changed = false;
+  Clock::time_point next_status;
+  std::uint32_t last_attempt = first_attempt();
+  std::map<std::uint64_t, std::string> failing;  // leases, with the reason
+  std::deque<std::pair<std::uint64_t, std::string>> failures;
+  std::map<std::string, Clock::time_point> absent_since;
+  Clock::time_point environment_seen = Clock::now();
+  std::string missing;
+  std::string host = host_name();
+  const std::uint64_t incarnation =
+      static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
+  std::uint64_t heartbeat = 0;
+  std::uint64_t flights_done = 0;
+  std::uint64_t steps_done = 0;
+
+  MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses what stands above
+};
+
+Channel::Channel(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop)
+    : state_(std::make_unique<State>(place, options, stop)) {}
+
+Channel::~Channel() = default;
+
+void Channel::run() {
+  state_->run();
+}
+
+}  // namespace aloft::channel

@@ -1,0 +1,173 @@
+// The channel's side of the conversation, without a bus: every command is executed once.
+#include "services/channel/episode.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/flight/testing/synthetic_map.hpp"
+#include "services/channel/agent_directory.hpp"
+#include "services/channel/outbox.hpp"
+#include "services/channel/trials.hpp"
+
+namespace aloft::channel {
+namespace {
+
+using namespace std::chrono_literals;
+using Outcome = Episode::Outcome;
+
+const Clock::time_point start = Clock::now();
+
+struct Talk {
+  explicit Talk(const char* agent, agents::Privilege privilege = agents::Privilege::none)
+      : spec(agents::parse_agents(nlohmann::json(agent), "test").at(0)),
+        episode({.experiment_id = "e", .episode_id = 99, .attempt = 4, .stream = 7}, spec, privilege, map, 1, start) {}
+
+  void ask(Clock::time_point now = start) {
+    profiles.clear();
+    episode.ask({[this](wire::HeightProfile& profile) { profiles.push_back(profile.step()); },
+                 [this](wire::ChannelReport& report) { last_report = report; }},
+                now);
+  }
+
+  [[nodiscard]] wire::HeightCommand command(std::uint32_t step, wire::Action action = wire::ACTION_UP) const {
+    wire::HeightCommand message;
+    message.stream(7);
+    message.episode_id(99);
+    message.attempt(4);
+    message.step(step);
+    message.agent(wire::name(spec.name));
+    message.action(action);
+    return message;
+  }
+
+  flight::SyntheticMap map = flight::SyntheticMap::random(agents::QosKind::spectral_efficiency, 3, 5, 1);
+  agents::AgentSpec spec;
+  Episode episode;
+  wire::ChannelReport last_report;
+  std::vector<std::uint32_t> profiles;
+};
+
+}  // namespace
+
+TEST_CASE("every command is executed once; the last one ends the flight") {
+  Talk talk("constant-60");
+  talk.ask();
+  CHECK(talk.last_report.step() == 0);
+  CHECK(talk.last_report.height_m() == 40.0);
+  CHECK(talk.last_report.executed() == wire::ACTION_NONE);
+  CHECK(talk.episode.accept(talk.command(2), start) == Outcome::ignored);
+  CHECK(talk.episode.accept(talk.command(1), start) == Outcome::stepped);
+  CHECK(talk.episode.accept(talk.command(1), start) == Outcome::ignored);
+  talk.ask();
+  CHECK(talk.last_report.step() == 1);
+  CHECK(talk.last_report.height_m() == 50.0);
+  CHECK(talk.last_report.executed() == wire::ACTION_UP);
+  CHECK(wire::view(talk.last_report.executed_by()) == "constant-60");
+  CHECK(talk.episode.accept(talk.command(2), start) == Outcome::stepped);
+  CHECK(talk.episode.accept(talk.command(3), start) == Outcome::finished);
+  talk.ask();
+  CHECK(talk.last_report.last());
+  CHECK(talk.episode.accept(talk.command(4), start) == Outcome::ignored);
+  CHECK(talk.episode.flight().record().steps.size() == 3);
+}
+
+TEST_CASE("commands of others, of earlier attempts, and forbidden jumps change nothing") {
+  Talk talk("constant-60");
+  wire::HeightCommand other = talk.command(1);
+  other.agent(wire::name("constant-120"));
+  CHECK(talk.episode.accept(other, start) == Outcome::ignored);
+  wire::HeightCommand old = talk.command(1);
+  old.attempt(3);
+  CHECK(talk.episode.accept(old, start) == Outcome::ignored);
+  CHECK(talk.episode.accept(talk.command(1, wire::ACTION_ABSOLUTE), start) == Outcome::forbidden);
+  CHECK(talk.episode.accept(talk.command(1, wire::ACTION_UNKNOWN_FLIGHT), start) == Outcome::lost);
+  CHECK(talk.episode.flight().record().steps.empty());
+  Talk jumper("optimal-height");
+  wire::HeightCommand jump = jumper.command(1, wire::ACTION_ABSOLUTE);
+  jump.height_m(80.0);
+  CHECK(jumper.episode.accept(jump, start) == Outcome::stepped);
+  CHECK(jumper.episode.flight().observation().height_m == 80.0);
+}
+
+TEST_CASE("the first question is repeated soon, later ones after a second") {
+  Talk talk("constant-60");
+  talk.ask();
+  CHECK_FALSE(talk.episode.repeat_due(start + 99ms));
+  CHECK(talk.episode.repeat_due(start + 100ms));
+  CHECK(talk.episode.accept(talk.command(1), start + 10ms) == Outcome::stepped);
+  talk.ask(start + 10ms);
+  CHECK_FALSE(talk.episode.repeat_due(start + 1009ms));
+  CHECK(talk.episode.repeat_due(start + 1010ms));
+  CHECK(talk.episode.silence(start + 3010ms) == 3s);
+}
+
+TEST_CASE("only the privileged see the future, and only as much as they declared") {
+  Talk blind("constant-60");
+  blind.ask();
+  CHECK(blind.profiles.empty());
+  Talk next("one-step-ahead", agents::Privilege::next_step);
+  next.ask();
+  CHECK(next.profiles == std::vector<std::uint32_t>{1});
+  CHECK(next.episode.accept(next.command(1), start) == Outcome::stepped);
+  next.ask();
+  CHECK(next.profiles == std::vector<std::uint32_t>{2});
+  Talk route("planner", agents::Privilege::whole_route);
+  route.ask();
+  CHECK(route.profiles == std::vector<std::uint32_t>{1, 2, 3});
+}
+
+TEST_CASE("records are sent again until they are confirmed") {
+  Outbox outbox;
+  wire::EpisodeRecord record;
+  record.episode_id(5);
+  record.lease_id(77);
+  outbox.add(record, start);
+  int sent = 0;
+  const auto count = [&](wire::EpisodeRecord&) { ++sent; };
+  outbox.send_due(start, count);
+  outbox.send_due(start + 1999ms, count);
+  CHECK(sent == 1);
+  outbox.send_due(start + 2s, count);
+  CHECK(sent == 2);
+  CHECK(outbox.silence(start + 4s) == 4s);
+  CHECK(outbox.confirm(6) == 0);
+  CHECK(outbox.confirm(5) == 77);
+  CHECK(outbox.confirm(5) == 0);
+  CHECK(outbox.size() == 0);
+}
+
+TEST_CASE("an agent is there as long as it says so") {
+  AgentDirectory agents;
+  wire::AgentStatus status;
+  status.agent(wire::name("dqn"));
+  status.state(wire::AGENT_READY);
+  CHECK(agents.update(status, start));
+  CHECK_FALSE(agents.update(status, start + 1s));
+  CHECK(agents.expire(start + 4s).empty());
+  CHECK(agents.find("dqn") != nullptr);
+  CHECK(agents.expire(start + 4001ms) == std::vector<std::string>{"dqn"});
+  CHECK(agents.find("dqn") == nullptr);
+  CHECK(agents.update(status, start));
+  status.state(wire::AGENT_STOPPED);
+  agents.update(status, start);
+  CHECK(agents.find("dqn") == nullptr);
+}
+
+TEST_CASE("lanes are given to one trial at a time, and past leases are remembered") {
+  Trials trials(2);
+  Trial& a = trials.add(1, 0, 0, {"x"});
+  Trial& b = trials.add(2, 0, 1, {});
+  Trial& c = trials.add(3, 0, 2, {"x"});
+  CHECK(trials.take_lane(a));
+  CHECK(trials.take_lane(b));
+  CHECK_FALSE(trials.take_lane(c));
+  CHECK(a.lane != b.lane);
+  CHECK(trials.waiting_for_storage() == 1);
+  trials.remove(2);
+  CHECK(trials.take_lane(c));
+  CHECK(trials.knows(2));
+  CHECK(trials.find(2) == nullptr);
+  CHECK_FALSE(trials.knows(4));
+}
+
+}  // namespace aloft::channel

@@ -1,0 +1,19 @@
+// Flies the episodes of a worker's trials.
+#include "services/channel/channel.hpp"
+#include "services/runtime/service.hpp"
+
+int main(int argc, char** argv) {
+  using namespace aloft;
+  const runtime::ServiceInfo info{.name = "aloft-channel",
+                                  .description = "Flies UAVs: executes height commands, measures the radio.",
+                                  .in_worker = true};
+  channel::ChannelOptions options;
+  return runtime::run_service(
+      argc, argv, info,
+      [&](CLI::App& app) {
+        app.add_option("--lanes", options.lanes, "Trials flown at the same time")
+            ->check(CLI::Range(1U, 16U))
+            ->capture_default_str();
+      },
+      [&](runtime::Service& service) { channel::Channel(service.bus, options, service.stop).run(); });
+}

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+
+#include "common/bus/wire.hpp"
+
+namespace aloft::channel {
+
+using Clock = std::chrono::steady_clock;
+
+/// Finished flights, kept until the collector confirms that they are stored. No bus: the caller sends.
+class Outbox {
+ public:
+  using Send = std::function<void(wire::EpisodeRecord&)>;
+
+  void add(wire::EpisodeRecord record, Clock::time_point now);
+  /// Forgets a record; returns the lease it was flown under, or 0 if it is not here.
+  std::uint64_t confirm(std::uint64_t episode_id);
+  /// Sends what was never sent, and again what has not been confirmed for 2 s.
+  void send_due(Clock::time_point now, const Send& send);
+
+  [[nodiscard]] std::size_t size() const noexcept { return entries_.size(); }
+  /// How long the collector has confirmed nothing although records wait; zero if none waits.
+  [[nodiscard]] Clock::duration silence(Clock::time_point now) const noexcept;
+
+ private:
+  struct Entry {
+    wire::EpisodeRecord record;
+    Clock::time_point due;
+  };
+  std::map<std::uint64_t, Entry> entries_;  // by episode
+  Clock::time_point progress_;              // last confirmation, or when the first record came
+};
+
+}  // namespace aloft::channel

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "common/bus/participant.hpp"
+#include "common/bus/stop_signal.hpp"
+
+namespace aloft::environment {
+
+/// Turns the trials that are leased to its worker into worlds: a generated city, or a measured flight.
+class Environment {
+ public:
+  Environment(const bus::BusOptions& place, bus::StopSignal& stop);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+  /// Until the run ends or a stop is requested.
+  void run();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace aloft::environment

@@ -1,0 +1,23 @@
+// The agents that learn: DQN and other learners.
+#include <algorithm>
+#include <thread>
+
+#include "services/agent_host/agent_host.hpp"
+#include "services/runtime/service.hpp"
+
+int main(int argc, char** argv) {
+  using namespace aloft;
+  const runtime::ServiceInfo info{
+      .name = "aloft-learning-agent", .description = "Flies UAVs with the agents that learn.", .in_worker = true};
+  agent_host::AgentHostOptions options{.learners = true, .threads = std::max(1U, std::thread::hardware_concurrency())};
+  return runtime::run_service(
+      argc, argv, info,
+      [&](CLI::App& app) {
+        app.add_option("--threads", options.threads, "Flights that are learnt from at the same time")
+            ->check(CLI::Range(1U, 256U))
+            ->capture_default_str();
+        app.add_option("--strength", options.strength, "Of two processes with the same agent, the stronger flies")
+            ->capture_default_str();
+      },
+      [&](runtime::Service& service) { agent_host::AgentHost(service.bus, options, service.stop).run(); });
+}

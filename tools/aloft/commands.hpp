@@ -14,10 +14,13 @@ using Job = std::function<int()>;
 
 /// Each adds one subcommand to `app`; when the command line names it, `job` is set.
 void add_run(CLI::App& app, Job& job);
+void add_report(CLI::App& app, Job& job);
 void add_validate(CLI::App& app, Job& job);
 void add_agents(CLI::App& app, Job& job);
 void add_export(CLI::App& app, Job& job);
 void add_digest(CLI::App& app, Job& job);
+void add_compare(CLI::App& app, Job& job);
+void add_import_rdata(CLI::App& app, Job& job);
 void add_inspect(CLI::App& app, Job& job);
 
 /// An experiment file and what the command line changes in it.

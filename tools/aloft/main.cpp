@@ -49,9 +49,11 @@ int main(int argc, char** argv) {
   add_run(app, job);
   add_validate(app, job);
   add_agents(app, job);
-  add_inspect(app, job);
   add_export(app, job);
   add_digest(app, job);
+  add_compare(app, job);
+  add_report(app, job);
+  add_import_rdata(app, job);
   try {
     app.parse(argc, argv);
     return job();

@@ -71,7 +71,7 @@ export function publishedTable(data, context) {
     {title: 'Ours', number: true, text: (row) => number(ours(row).value, 2)},
     {title: '95 % interval', number: true, text: (row) => interval(ours(row).ci95)},
     {title: 'Difference', number: true, text: (row) => signed(ours(row).value - row.published)},
-    {title: 'Published value in our interval', text: (row) => (ours(row).ci95[0] <= row.published && row.published <= ours(row).ci95[1] ? 'yes' : 'no')},
+    {title: 'In our interval', text: (row) => (ours(row).ci95[0] <= row.published && row.published <= ours(row).ci95[1] ? 'yes' : 'no')},
   ], rows, 'Published values beside ours');
 }
 

@@ -1,0 +1,95 @@
+// The cost of worlds and radio: cities, blocking heights, SE tables, and how they grow.
+
+#include <benchmark/benchmark.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/radio/generated_map.hpp"
+#include "common/radio/generated_world.hpp"
+#include "common/radio/line_of_sight.hpp"
+#include "common/world/city.hpp"
+#include "common/world/route.hpp"
+
+namespace {
+
+using namespace aloft;
+using nlohmann::json;
+
+constexpr std::uint64_t seed = 1;
+constexpr std::uint32_t trials = 10;  // cities differ in their cost: each benchmark goes round these
+
+Parameters world_with(double bs_density_per_km2, double building_density_per_km2, double window_m) {
+  return radio::resolve_generated_world({{"bs_density_per_km2", bs_density_per_km2},
+                                         {"building_density_per_km2", building_density_per_km2},
+                                         {"window_m", window_m}},
+                                        "world");
+}
+
+/// One SE table: 101 points x 201 heights.
+void table(benchmark::State& state, const Parameters& world) {
+  std::vector<world::City> cities;
+  for (std::uint32_t trial = 0; trial < trials; ++trial) cities.push_back(world::generate_city(world, seed, trial));
+  std::uint32_t trial = 0;
+  double stations = 0.0;
+  for (auto _ : state) {
+    const auto map = radio::make_generated_map(world, cities[trial], seed, trial);
+    map->prepare();
+    benchmark::DoNotOptimize(map.get());
+    stations += static_cast<double>(cities[trial].base_stations.size());
+    trial = (trial + 1) % trials;
+  }
+  state.counters["stations"] = benchmark::Counter(stations, benchmark::Counter::kAvgIterations);
+}
+
+void se_table(benchmark::State& state) {
+  table(state, world_with(static_cast<double>(state.range(0)) / 10.0, 200.0, 3000.0));
+}
+BENCHMARK(se_table)->ArgName("bs_per_10_km2")->Arg(10)->Arg(25)->Arg(50)->Unit(benchmark::kMillisecond);
+
+void se_table_by_bs_density(benchmark::State& state) {
+  table(state, world_with(static_cast<double>(state.range(0)), 200.0, 3000.0));
+}
+BENCHMARK(se_table_by_bs_density)
+    ->ArgName("bs_per_km2")
+    ->Arg(1)
+    ->Arg(3)
+    ->Arg(10)
+    ->Arg(30)
+    ->Arg(100)
+    ->Arg(300)
+    ->Unit(benchmark::kMillisecond);
+
+void se_table_by_building_density(benchmark::State& state) {
+  table(state, world_with(5.0, static_cast<double>(state.range(0)), 3000.0));
+}
+BENCHMARK(se_table_by_building_density)
+    ->ArgName("buildings_per_km2")
+    ->Arg(100)
+    ->Arg(300)
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond);
+
+void se_table_by_window(benchmark::State& state) {
+  table(state, world_with(5.0, 200.0, static_cast<double>(state.range(0))));
+}
+BENCHMARK(se_table_by_window)->ArgName("window_m")->Arg(3000)->Arg(6000)->Arg(10'000)->Unit(benchmark::kMillisecond);
+
+/// A city and the blocking heights of all its base stations at all route points.
+void city_and_blocking_heights(benchmark::State& state) {
+  const Parameters world = world_with(5.0, static_cast<double>(state.range(0)), 3000.0);
+  std::uint32_t trial = 0;
+  for (auto _ : state) {
+    const world::City city = world::generate_city(world, seed, trial++ % trials);
+    const world::Route route(world, city);
+    double sum_m = 0.0;
+    for (std::uint32_t point = 0; point <= route.steps(); ++point) {
+      const world::Position position = route.advance(point, route.start(), -1);
+      for (const world::Position& station : city.base_stations)
+        sum_m += radio::blocking_height_m(city, radio::LosRay::published, position, station);
+    }
+    benchmark::DoNotOptimize(sum_m);
+  }
+}
+BENCHMARK(city_and_blocking_heights)->ArgName("buildings_per_km2")->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+}  // namespace

@@ -1,0 +1,285 @@
+// The real coordinator and the real collector over DDS; the workers are played by the test.
+#include <httplib.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <optional>
+#include <regex>
+#include <thread>
+
+#include "common/base/random.hpp"
+#include "tests/integration/command.hpp"
+#include "tests/integration/coordinator_fake_worker.hpp"
+
+using namespace aloft;
+using namespace aloft::test;
+using namespace std::chrono_literals;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr const char* experiment_text = R"({
+  "name": "coordination", "seed": 7, "trials": 12, "max_attempts": 2,
+  "world": {"kind": "generated", "bs_density_per_km2": [1, 5]},
+  "agents": ["min-height", "constant-120", "random-walk"]
+})";
+constexpr std::size_t flights_total = 2 * 12 * 3;
+
+/// A run with its own name and domain: result folder, processes, workers.
+class Run {
+ public:
+  Run() {
+    static int runs = 0;
+    name_ = "coordination-" + std::to_string(getpid()) + "-" + std::to_string(++runs);
+    write_text(scratch_ / "experiment.json", experiment.canonical.dump());
+  }
+
+  const experiment::Experiment experiment = experiment::parse(experiment_text, "test");
+
+  [[nodiscard]] std::filesystem::path results() const { return scratch_ / "results"; }
+
+  std::unique_ptr<Command> start(const std::string& program, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{program,
+                                       "--run",
+                                       name_,
+                                       "--domain",
+                                       test_domain(),
+                                       "--log-dir",
+                                       (scratch_ / "log").string(),
+                                       "--results",
+                                       results().string(),
+                                       "--experiment",
+                                       (scratch_ / "experiment.json").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<Command>(arguments);
+  }
+
+  [[nodiscard]] FakeWorker worker(const std::string& name) const {
+    return FakeWorker(experiment, name_, std::stoi(test_domain()), name);
+  }
+
+  [[nodiscard]] std::string log(const std::string& program) const {
+    return read_text(scratch_ / "log" / (program + ".log"));
+  }
+
+  /// What the results must be, made without any process.
+  [[nodiscard]] std::string expected_digest() const {
+    auto store = store::ResultStore::open_for_writing(scratch_ / "expected", experiment);
+    store.batch([&] {
+      for (const auto& key : all_flights(experiment)) store.add(key, synthetic_trace(experiment, key));
+    });
+    return store.digest();
+  }
+
+  void check_results() const {
+    const auto store = store::ResultStore::open_for_reading(results());
+    CHECK(store.keys().size() == flights_total);
+    CHECK(store.digest() == expected_digest());
+  }
+
+ private:
+  ScratchDir scratch_;
+  std::string name_;
+};
+
+template <class Condition>
+void pump_until(std::vector<FakeWorker*> workers, const Condition& done, std::chrono::seconds limit = 20s) {
+  const auto deadline = std::chrono::steady_clock::now() + limit;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > deadline) FAIL("not done after " << limit.count() << " s");
+    for (FakeWorker* worker : workers) worker->pump();
+    std::this_thread::sleep_for(2ms);
+  }
+}
+
+int times_flown(const FakeWorker& worker) {
+  int flights = 0;
+  for (const auto& [key, times] : worker.flown()) flights += times;
+  return flights;
+}
+
+/// The answer of the collector's HTTP server, whose port stands in its log.
+std::optional<std::string> http_get(const Run& run, const std::string& path) {
+  std::smatch found;
+  const std::string log = run.log("aloft-metrics");
+  if (!std::regex_search(log, found, std::regex("http://127.0.0.1:([0-9]+)/"))) return std::nullopt;
+  httplib::Client client("127.0.0.1", std::stoi(found[1]));
+  const auto answer = client.Get(path);
+  return answer && answer->status == 200 ? std::optional(answer->body) : std::nullopt;
+}
+
+}  // namespace
+
+TEST_CASE("two workers, every record twice, one of another experiment: all flights once", "[coordinator][metrics]") {
+  const Run run;
+  const auto metrics = run.start("aloft-metrics", {"--http-port", "0"});
+  const auto coordinator = run.start("aloft-coordinator", {"--trial-order", "shuffled"});
+  FakeWorker w0 = run.worker("w0");
+  FakeWorker w1 = run.worker("w1");
+  w0.behaviour.duplicates = true;
+  std::string http_metrics;
+  std::string http_status;
+  pump_until({&w0, &w1}, [&] {
+    const bool half_time = w0.confirmations() > flights_total / 2;
+    if (half_time && http_metrics.empty()) {
+      w0.send({0, 0, "min-height"}, "rubbish", "0000000000000000");
+      http_metrics = http_get(run, "/metrics").value_or("no answer");
+      http_status = http_get(run, "/status").value_or("no answer");
+      CHECK(http_get(run, "/healthz") == "ok\n");
+    }
+    return !coordinator->running() && !metrics->running();
+  });
+  CHECK(coordinator->wait().exit_code == 0);
+  CHECK(metrics->wait().exit_code == 0);
+  CHECK(w0.run_state() == wire::RUN_FINISHED);
+  CHECK(times_flown(w0) + times_flown(w1) == flights_total);
+  CHECK(times_flown(w0) > 0);
+  CHECK(times_flown(w1) > 0);
+  CHECK_THAT(http_metrics, Contains("aloft_flights_stored_total") && Contains("aloft_flights_total 72\n"));
+  CHECK_THAT(http_status, Contains("\"flights_total\": 72") && Contains("\"worker\": \"w1\""));
+  run.check_results();
+}
+
+TEST_CASE("coordinator and collector are killed again and again: the same results", "[coordinator][metrics]") {
+  const Run run;
+  auto metrics = run.start("aloft-metrics");
+  auto coordinator = run.start("aloft-coordinator");
+  FakeWorker worker = run.worker("w0");
+  RandomStream random(static_cast<std::uint64_t>(getpid()), 0, "kills");
+  INFO("seed " << getpid());
+  int kills = 0;
+  std::size_t kill_at = 3;
+  pump_until(
+      {&worker},
+      [&] {
+        if (kills < 6 && worker.flown().size() >= kill_at) {
+          auto& victim = kills % 2 == 0 ? metrics : coordinator;
+          victim->send(SIGKILL);
+          (void)victim->wait();
+          victim = run.start(kills % 2 == 0 ? "aloft-metrics" : "aloft-coordinator");
+          kill_at = worker.flown().size() + 3 + random.uniform_index(6);
+          ++kills;
+        }
+        return !coordinator->running();
+      },
+      40s);
+  CHECK(kills == 6);
+  CHECK(coordinator->wait().exit_code == 0);
+  CHECK(metrics->wait().exit_code == 0);
+  // A restarted coordinator takes over what is in the air: nothing is flown twice but what nobody could know.
+  CHECK(times_flown(worker) <= static_cast<int>(flights_total) + 3 * 2 * 3);
+  run.check_results();
+}
+
+TEST_CASE("a silent worker's trials go to another; its late results do no harm", "[coordinator]") {
+  const Run run;
+  const auto metrics = run.start("aloft-metrics");
+  const auto coordinator = run.start("aloft-coordinator", {"--heartbeat-timeout", "0.6"});
+  FakeWorker w0 = run.worker("w0");
+  FakeWorker w1 = run.worker("w1");
+  w0.behaviour.flights_per_pump = 0;
+  pump_until({&w0}, [&] { return w0.leases() == 2; });
+  w0.behaviour.silent = true;
+  w0.behaviour.flights_per_pump = 1;
+  pump_until({&w1}, [&] { return w1.flown().size() == flights_total - 3; });  // all but the last trial
+  CHECK_THAT(run.log("aloft-coordinator"), Contains("worker w0 has been silent"));
+  w0.behaviour.silent = false;
+  pump_until({&w0, &w1}, [&] { return !coordinator->running() && !metrics->running(); });
+  CHECK(coordinator->wait().exit_code == 0);
+  CHECK(w1.flown().count({0, 0, "min-height"}) == 1);
+  run.check_results();
+}
+
+TEST_CASE("a trial that fails everywhere is reported after the rest is done", "[coordinator]") {
+  const Run run;
+  const auto metrics = run.start("aloft-metrics");
+  FakeWorker worker = run.worker("w0");
+  worker.behaviour.failing = {{1, 3}};
+  SECTION("the rest goes on") {
+    const auto coordinator = run.start("aloft-coordinator");
+    pump_until({&worker}, [&] { return !coordinator->running() && !metrics->running(); });
+    const Finished finished = coordinator->wait();
+    CHECK(finished.exit_code == 1);
+    CHECK_THAT(finished.err, Contains("trial 3 of condition 1") && Contains("made to fail") &&
+                                 Contains("69 of 72 flights stored, 1 trials failed"));
+    CHECK(worker.run_state() == wire::RUN_FAILED);
+    CHECK_THAT(worker.run_message(), Contains("trial 3 of condition 1"));
+    CHECK(store::ResultStore::open_for_reading(run.results()).keys().size() == flights_total - 3);
+  }
+  SECTION("with --fail-fast 1 it does not") {
+    worker.behaviour.failing = {{0, 1}};
+    const auto coordinator = run.start("aloft-coordinator", {"--fail-fast", "1"});
+    pump_until({&worker}, [&] { return !coordinator->running() && !metrics->running(); });
+    CHECK(coordinator->wait().exit_code == 1);
+    CHECK(store::ResultStore::open_for_reading(run.results()).keys().size() < flights_total - 3);
+  }
+}
+
+TEST_CASE("two different results of one flight stop the run loudly", "[coordinator][metrics]") {
+  const Run run;
+  const auto metrics = run.start("aloft-metrics");
+  const auto coordinator = run.start("aloft-coordinator");
+  FakeWorker worker = run.worker("w0");
+  pump_until({&worker}, [&] { return worker.confirmations() >= 6; });
+  const experiment::FlightKey key{0, 0, "min-height"};
+  worker.send(key, synthetic_trace(run.experiment, {0, 1, "min-height"}), run.experiment.id);
+  pump_until({&worker}, [&] { return !coordinator->running() && !metrics->running(); });
+  const Finished collected = metrics->wait();
+  CHECK(collected.exit_code == 1);
+  CHECK_THAT(collected.err, Contains("flown twice with different results"));
+  const Finished coordinated = coordinator->wait();
+  CHECK(coordinated.exit_code == 1);
+  CHECK_THAT(coordinated.err, Contains("aloft-metrics failed") && Contains("flown twice"));
+}
+
+TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
+  const Run run;
+  FakeWorker worker = run.worker("w0");
+  {
+    const auto metrics = run.start("aloft-metrics");
+    const auto coordinator = run.start("aloft-coordinator");
+    pump_until({&worker}, [&] { return worker.confirmations() >= 20; });
+    coordinator->send(SIGINT);
+    pump_until(
+        {&worker}, [&] { return !coordinator->running() && !metrics->running(); }, 3s);
+    CHECK(coordinator->wait().exit_code == 130);
+    CHECK(metrics->wait().exit_code == 0);  // it heard of the end
+    CHECK(worker.run_state() == wire::RUN_STOPPING);
+  }
+  const auto metrics = run.start("aloft-metrics");
+  const auto coordinator = run.start("aloft-coordinator");
+  pump_until({&worker}, [&] { return !coordinator->running() && !metrics->running(); });
+  CHECK(coordinator->wait().exit_code == 0);
+  CHECK(times_flown(worker) == flights_total);
+  run.check_results();
+}
+
+TEST_CASE("a run without workers says so, and gives up if told to", "[coordinator]") {
+  const Run run;
+  const auto coordinator = run.start("aloft-coordinator", {"--give-up-after", "4.6"});
+  const Finished finished = coordinator->wait(10s);
+  CHECK(finished.exit_code == 1);
+  CHECK_THAT(finished.err, Contains("no worker for 4 s; waiting for one to join") && Contains("--give-up-after"));
+}
+
+TEST_CASE("what cannot work is refused with exit code 2", "[coordinator][metrics]") {
+  const Run run;
+  for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
+    const Finished finished =
+        run_command({program, "--results", run.results().string(), "--experiment", "/nonexistent.json"}, 10s);
+    CHECK(finished.exit_code == 2);
+    CHECK_THAT(finished.err, Contains("/nonexistent.json"));
+    CHECK_FALSE(std::filesystem::exists(run.results()));
+    const Finished unknown = run.start(program, {"--no-such-option"})->wait(10s);
+    CHECK(unknown.exit_code == 2);
+  }
+  experiment::Experiment other = experiment::parse(experiment_text, "test", {{}, {}, 5, {}});
+  (void)store::ResultStore::open_for_writing(run.results(), other);
+  for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
+    const Finished finished = run.start(program)->wait(10s);
+    CHECK(finished.exit_code == 2);
+    CHECK_THAT(finished.err, Contains("another"));
+  }
+}

@@ -44,7 +44,7 @@ json learning_curves(const flight::FlightRecord& record) {
               {"q_hold", json::array()},
               {"q_up", json::array()}};
   for (const flight::StepRecord& step : record.steps) {
-    const auto value = [&](auto part) { return step.introspection ? rounded(part(*step.introspection)) : json(); };
+    const auto value = [&](auto part) { return step.introspection ? significant(part(*step.introspection)) : json(); };
     curves["epsilon"].push_back(value([](const agents::Introspection& i) { return i.epsilon; }));
     curves["loss"].push_back(value([](const agents::Introspection& i) { return i.loss; }));
     curves["q_down"].push_back(value([](const agents::Introspection& i) { return i.q_values[0]; }));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <stdexcept>
 
 #include "common/base/random.hpp"
@@ -82,6 +83,15 @@ bool belongs_to(const nlohmann::json& published_value, const ConditionTrials& co
   return condition.kind == experiment::WorldKind::generated &&
          published_value.at("bs_density_per_km2").get<double>() == condition.bs_density_per_km2 &&
          published_value.at("building_density_per_km2").get<double>() == condition.building_density_per_km2;
+}
+
+double printed_tolerance(const nlohmann::json& published_value) {
+  if (published_value.contains("plus_minus")) return published_value["plus_minus"].get<double>();
+  const nlohmann::json& value = published_value.at("value");
+  const std::string printed = value.dump();
+  const std::size_t point = printed.find('.');
+  if (value.is_number_integer() || point == std::string::npos) return 0.5;
+  return 0.5 * std::pow(10.0, -static_cast<double>(printed.size() - point - 1));
 }
 
 nlohmann::json beside_published(const nlohmann::json& published_value, const ConditionTrials& condition) {

@@ -15,6 +15,9 @@ namespace aloft::report {
 /// mean of the medians of `over`, on the same trials).
 [[nodiscard]] nlohmann::json beside_published(const nlohmann::json& published_value, const ConditionTrials& condition);
 
+/// How far the true value may be from the printed one: the published plus-minus, or half of the last printed digit.
+[[nodiscard]] double printed_tolerance(const nlohmann::json& published_value);
+
 /// True if the published value belongs to this condition: both densities are equal (generated), or the flight's name
 /// stands in the name of the condition, experiment or file (measured). Presets that change the radio do not matter
 /// here: the report says which condition it is.

@@ -51,3 +51,10 @@ TEST_CASE("The published set is complete and names agents as Aloft does", "[repo
   CHECK(of_agent("one-step-ahead") == 6);
   for (const json& value : values) CHECK(value["value"].get<double>() > 0.0);
 }
+
+TEST_CASE("A printed number is as exact as its last digit", "[report]") {
+  CHECK(printed_tolerance(json{{"value", 68}}) == 0.5);
+  CHECK(printed_tolerance(json{{"value", 18.5}}) == Approx(0.05));
+  CHECK(printed_tolerance(json{{"value", 1.04}}) == Approx(0.005));
+  CHECK(printed_tolerance(json{{"value", 70}, {"plus_minus", 2}}) == 2.0);
+}

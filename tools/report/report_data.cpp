@@ -128,6 +128,7 @@ json published_rows(const std::vector<ReportCondition>& conditions, bool name_ex
            {"unit", ratio ? "" : condition.all.qos_unit()},
            {"published", value["value"]},
            {"plus_minus", value.value("plus_minus", json())},
+           {"tolerance", printed_tolerance(value)},
            {"views",
             {{"all", all}, {"selected", condition.selected ? beside_published(value, *condition.selected) : json()}}}});
     }

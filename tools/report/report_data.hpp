@@ -23,7 +23,7 @@ struct Choice {
 ///  "conditions": [{"experiment": index, "name", "label", "kind", "qos_name", "qos_unit",
 ///                  "views": {"all": statistics_view, "selected": statistics_view | null}, "flight": flight_view |
 ///                  null}],
-///  "published": {"source", "rows": [{"label", "agent", "quantity", "unit", "published", "plus_minus",
+///  "published": {"source", "rows": [{"label", "agent", "quantity", "unit", "published", "plus_minus", "tolerance",
 ///                "views": {"all": beside_published, "selected": ...}}]},
 ///  "claims": {"all": [{"text", "reading", "verdict", "reason", "details"}], "selected": [...]}}
 /// "selected" counts only the trials in which the learner beat constant-120, as all published trials do.

@@ -109,6 +109,13 @@ nlohmann::json rounded(double value) {
   return std::round(value * 1e4) / 1e4;
 }
 
+nlohmann::json significant(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == 0.0) return 0.0;
+  const double scale = std::pow(10.0, 3.0 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
 nlohmann::json statistics_view(const ConditionTrials& condition) {
   std::size_t trials = 0;
   for (const AgentTrials& agent : condition.agents) trials = std::max(trials, agent.trials.size());

@@ -16,5 +16,7 @@ namespace aloft::report {
 
 /// The value with four decimals at most: the page shows no more, and the file stays small. Null if it is not finite.
 [[nodiscard]] nlohmann::json rounded(double value);
+/// The value with four significant digits, for quantities that span magnitudes.
+[[nodiscard]] nlohmann::json significant(double value);
 
 }  // namespace aloft::report

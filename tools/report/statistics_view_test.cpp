@@ -1,6 +1,7 @@
 #include "tools/report/statistics_view.hpp"
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tools/report/test_trials.hpp"
@@ -60,4 +61,12 @@ TEST_CASE("The selected view keeps the trials that the learner won, for all agen
   CHECK(kept->agent("min-height")->qos == std::vector<double>{1.0, 4.0});
   CHECK_FALSE(selected(all, "dqn", "constant-240"));
   CHECK(statistics_view(condition(1, 200, {agent("dqn", "dqn", {})})).is_null());
+}
+
+TEST_CASE("Numbers in the data block are as short as what is shown", "[report]") {
+  CHECK(rounded(12.345678) == 12.3457);
+  CHECK(rounded(std::numeric_limits<double>::quiet_NaN()).is_null());
+  CHECK(significant(0.0000123456).get<double>() == Approx(0.00001235));
+  CHECK(significant(-98765.0).get<double>() == Approx(-98770.0));
+  CHECK(significant(0.0) == 0.0);
 }

@@ -21,7 +21,7 @@ export const flightCharts = [
   {id: 'heat-map', title: (condition, context) => `${condition.qos_name} at every height, and the heights flown by ${flownBy(condition, context)}`, build: heatMap, fits: () => true},
   {id: 'city', title: (condition, context) => `The city from above, and the base stations that served ${context.agent}`, build: cityMap, fits: (flight) => flight.city !== null},
   {id: 'epsilon', title: (condition, context) => `${context.learner}: exploration rate`, build: epsilonCurve, fits: learns},
-  {id: 'loss', title: (condition, context) => `${context.learner}: training loss`, build: lossCurve, fits: learns},
+  {id: 'loss', title: (condition, context) => `${context.learner}: training loss`, build: lossCurve, fits: trains},
   {id: 'q-values', title: (condition, context) => `${context.learner}: Q-values of the three actions`, build: qValueCurves, fits: learns},
 ];
 
@@ -32,6 +32,11 @@ function flownBy(condition, context) {
 
 function learns(flight, context) {
   return flight.agents.some((agent) => agent.name === context.learner && agent.learning);
+}
+
+/** There is no loss before the memory holds a minibatch. */
+function trains(flight, context) {
+  return flight.agents.some((agent) => agent.name === context.learner && agent.learning && agent.learning.loss.some((loss) => loss > 0));
 }
 
 /** What a report shows unless the reader chooses otherwise. */

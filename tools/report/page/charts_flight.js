@@ -186,11 +186,11 @@ function singleCurve(condition, context, field, title, scale) {
   const {steps, learning} = learningRows(condition, context);
   return {
     height: 160,
-    data: {values: learning[field].map((value, i) => ({step: steps[i], value}))},
+    data: {values: learning[field].map((value, i) => ({step: steps[i], value})).filter((row) => row.value !== null && (scale.type !== 'log' || row.value > 0))},
     mark: {type: 'line', strokeWidth: 2, color: context.theme === 'dark' ? '#ff8a3d' : '#d5500a'},
     encoding: {
       x: {field: 'step', type: 'quantitative', scale: {nice: false}, axis: stepAxis},
-      y: {field: 'value', type: 'quantitative', scale, axis: {title, tickCount: 5}},
+      y: {field: 'value', type: 'quantitative', scale, axis: {title, tickCount: 5, ...(scale.type === 'log' ? {format: '.0e'} : {})}},
       tooltip: [{field: 'step', title: 'Step'}, {field: 'value', title, format: '.4g'}],
     },
   };
@@ -201,7 +201,7 @@ export function epsilonCurve(data, condition, context) {
 }
 
 export function lossCurve(data, condition, context) {
-  return singleCurve(condition, context, 'loss', 'Training loss', {type: 'symlog', constant: 0.01});
+  return singleCurve(condition, context, 'loss', 'Training loss', {type: 'log'});
 }
 
 /** The network's value of each action at each step. */

@@ -126,7 +126,7 @@ function resultsSection() {
 function publishedSection() {
   const context = {theme: state.theme, view: state.view};
   return h('section', {id: 'published'}, h('h2', {}, 'Published values beside ours'),
-    h('p', {class: 'soft'}, `Source: ${data.published.source}. Intervals are ours (95 %, bootstrap). The published trials were selected: in each of them the learner beats constant-120; `,
+    h('p', {class: 'soft'}, `Source: ${data.published.source}. Intervals are ours (95 %, bootstrap); a value agrees if our interval reaches it within its ± or the rounding of its last digit. The published trials were selected: in each of them the learner beats constant-120; `,
       state.view === 'all' ? 'ours are all counted. The switch at the top shows ours selected by the same rule.' : 'ours are selected here by the same rule.'),
     publishedTable(data, context));
 }

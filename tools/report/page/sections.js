@@ -71,7 +71,7 @@ export function publishedTable(data, context) {
     {title: 'Ours', number: true, text: (row) => number(ours(row).value, 2)},
     {title: '95 % interval', number: true, text: (row) => interval(ours(row).ci95)},
     {title: 'Difference', number: true, text: (row) => signed(ours(row).value - row.published)},
-    {title: 'In our interval', text: (row) => (ours(row).ci95[0] <= row.published && row.published <= ours(row).ci95[1] ? 'yes' : 'no')},
+    {title: 'Agrees', text: (row) => (ours(row).ci95[0] <= row.published + row.tolerance && ours(row).ci95[1] >= row.published - row.tolerance ? 'yes' : 'no')},
   ], rows, 'Published values beside ours');
 }
 
@@ -81,6 +81,6 @@ export function claimsList(data, context) {
     h('p', {class: 'claim'}, verdictBadge(claim.verdict), ' ', h('q', {}, claim.text)),
     h('p', {class: 'soft'}, claim.reading),
     h('p', {}, claim.reason),
-    claim.details.length === 0 ? null : h('details', {}, h('summary', {}, `All ${claim.details.length} comparisons`),
+    claim.details.length === 0 ? null : h('details', {}, h('summary', {}, `Comparisons (${claim.details.length})`),
       h('ul', {}, claim.details.map((detail) => h('li', {}, detail)))))));
 }

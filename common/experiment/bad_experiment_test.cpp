@@ -114,6 +114,12 @@ TEST_CASE("agents: unknown, doubled, none, too many, contradictory") {
              Contains("65 are too many; use at most 64"));
 }
 
+TEST_CASE("a planner on a route that depends on the flight") {
+  std::string text = with("random-walk", "planner");
+  text.replace(text.find("\"bs_density"), 0, "\"route\": [\"nearest\", \"serving\"], ");
+  CHECK_THAT(message(text), Contains("agent 'planner'") && Contains("route=serving bs_density_per_km2=1"));
+}
+
 TEST_CASE("sweeps: empty, doubled values, too many conditions, equal names") {
   CHECK_THAT(message(with("[1, 5]", "[]")), Contains("world.bs_density_per_km2: the list is empty"));
   CHECK_THAT(message(with("[1, 5]", "[1, 5, 1.0]")), Contains("world.bs_density_per_km2: 1.0 stands twice"));

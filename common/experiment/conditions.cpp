@@ -33,7 +33,7 @@ std::string name_of(const OrderedJson& world, const std::string& where) {
   const auto name = world.find("name");
   if (name == world.end()) return {};
   const bool is_text = name->is_string();
-  const std::string text = is_text ? name->get<std::string>() : "";
+  std::string text = is_text ? name->get<std::string>() : "";
   const bool printable =
       std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= ' '; });
   if (text.empty() || text.size() > max_name_length || !printable)

@@ -122,6 +122,19 @@ void check_agents(const std::vector<agents::AgentSpec>& specs) {
     if (!agents::agent_type(spec.type).foreign) (void)spec.make();
 }
 
+/// An agent that plans the whole route needs a route that does not depend on the flight.
+void check_routes(const Experiment& experiment) {
+  for (const Condition& condition : experiment.conditions) {
+    if (condition.kind != WorldKind::generated || condition.world.text("route") != "serving") continue;
+    for (const agents::AgentSpec& spec : experiment.agents)
+      if (agents::agent_type(spec.type).privilege == agents::Privilege::whole_route)
+        throw InputError(
+            fmt::format("agent '{}' plans the whole route, but in condition \"{}\" route \"serving\" "
+                        "makes the route depend on the flight; use \"nearest\", or leave this agent out",
+                        spec.name, condition.name));
+  }
+}
+
 Json canonical_form(const Experiment& experiment) {
   Json worlds = Json::array();
   for (const Condition& condition : experiment.conditions) worlds.push_back(canonical_world(condition));
@@ -158,6 +171,7 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   if (!overrides.agents.empty()) experiment.agents = chosen_agents(experiment.agents, overrides.agents);
   check_agents(experiment.agents);
   experiment.conditions = expand_worlds(document, files);
+  check_routes(experiment);
   // The checks above give the better messages, so they come first; the schema has the last word.
   if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
     throw InputError(fmt::format("{}", fmt::join(errors, "\n")));

@@ -1,6 +1,7 @@
 #include "common/store/result_store.hpp"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <sys/mount.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -309,6 +310,40 @@ TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
   CHECK(refused > 100);  // the rest hit unused bytes
   for (std::size_t size = 1; size < intact.size(); size += intact.size() / 20)
     CHECK_FALSE(still_right(intact.substr(0, size)));
+}
+
+TEST_CASE("a full disk pauses storing; nothing stored is lost, and it goes on when there is room") {
+  const Folder folder;
+  if (mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=1m") != 0) {
+    WARN("SKIPPED: the test of a full disk needs the right to mount a tmpfs");
+    return;
+  }
+  struct Mounted {
+    const Folder& at;
+    ~Mounted() { umount2(at.path().c_str(), MNT_DETACH); }
+  } const mounted{folder};
+  std::set<FlightKey> stored;
+  {
+    auto results = ResultStore::open_for_writing(folder / "out", small());
+    const auto store_one = [&](std::uint32_t trial) {
+      (void)results.add({0, trial, "min-height"}, flight_with(1.0, 2000));  // 80 kB
+      stored.insert({0, trial, "min-height"});
+    };
+    std::string refused;
+    std::uint32_t trial = 0;
+    try {
+      while (trial < 20) store_one(trial++);
+    } catch (const StoreFull& error) {
+      refused = error.what();
+    }
+    CHECK_THAT(refused, Contains("full") && Contains("results.sqlite"));
+    CHECK(stored.size() < 20);
+    CHECK(results.keys() == stored);
+    REQUIRE(mount("tmpfs", folder.path().c_str(), "tmpfs", MS_REMOUNT, "size=20m") == 0);
+    for (--trial; trial < 20; ++trial) store_one(trial);
+  }
+  CHECK(ResultStore::open_for_reading(folder / "out").keys() == stored);
+  CHECK(stored.size() == 20);
 }
 
 TEST_CASE("a summary of stored flights") {

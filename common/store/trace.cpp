@@ -53,14 +53,14 @@ void put_optional_columns(const std::vector<StepRecord>& steps, proto::Trace& tr
 
 void put_thoughts(const std::vector<StepRecord>& steps, proto::Trace& trace) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (!steps[i].introspection) continue;
-    const agents::Introspection& thoughts = *steps[i].introspection;
+    const std::optional<agents::Introspection>& thoughts = steps[i].introspection;
+    if (!thoughts) continue;
     trace.add_thoughts_row(static_cast<std::uint32_t>(i));
-    trace.add_epsilon(thoughts.epsilon);
-    trace.add_loss(thoughts.loss);
-    trace.add_q_down(thoughts.q_values[0]);
-    trace.add_q_hold(thoughts.q_values[1]);
-    trace.add_q_up(thoughts.q_values[2]);
+    trace.add_epsilon(thoughts->epsilon);
+    trace.add_loss(thoughts->loss);
+    trace.add_q_down(thoughts->q_values[0]);
+    trace.add_q_hold(thoughts->q_values[1]);
+    trace.add_q_up(thoughts->q_values[2]);
   }
 }
 

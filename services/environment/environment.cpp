@@ -2,8 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
-#include <deque>
+#include <list>
 #include <optional>
 
 #include "common/bus/endpoint.hpp"
@@ -18,15 +19,25 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds wait_limit{200};
 constexpr std::chrono::seconds missing_after{3};
+constexpr std::chrono::seconds resend_period{1};
+constexpr int max_sends = 10;
 constexpr std::size_t max_queue = 256;
 
 }  // namespace
 
 struct Environment::State {
+  /// A trial whose world the channel has not confirmed.
+  struct Pending {
+    wire::TrialAssignment assignment;
+    Clock::time_point due;
+    int sends = 0;
+  };
+
   State(const bus::BusOptions& place, bus::StopSignal& stop_signal)
       : stop(stop_signal), participant(place), waiter(stop_signal) {
     waiter.add(controls);
     waiter.add(assignments);
+    waiter.add(worker_statuses);
   }
 
   void run() {
@@ -35,6 +46,7 @@ struct Environment::State {
       controls.drain([this](const wire::RunControl& control) { on_control(control); });
       if (!experiment) continue;
       assignments.drain([this](const wire::TrialAssignment& assignment) { on_assignment(assignment); });
+      worker_statuses.drain([this](const wire::WorkerStatus& status) { on_status(status); });
       serve();
     }
   }
@@ -45,6 +57,7 @@ struct Environment::State {
     if (over || (experiment && control.experiment_id() == experiment->id)) return;
     experiment.emplace(experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
     assignments.expect_experiment(experiment->id);
+    worker_statuses.expect_experiment(experiment->id);
     maker.emplace(*experiment);
     queue.clear();
     spdlog::info("experiment {} ({})", experiment->name, experiment->id);
@@ -52,20 +65,36 @@ struct Environment::State {
 
   void on_assignment(const wire::TrialAssignment& assignment) {
     if (assignment.worker() != participant.options().worker) return;
+    forget(assignment.lease_id());
     if (queue.size() == max_queue) queue.pop_front();  // its lease will be taken back
-    queue.push_back(assignment);
+    queue.push_back({assignment, Clock::now()});
   }
 
-  /// A world that nobody hears would be lost, so the channel must be there first.
+  /// The channel says which leases it has: their worlds have arrived.
+  void on_status(const wire::WorkerStatus& status) {
+    if (status.worker() != participant.options().worker) return;
+    for (const std::uint64_t lease : status.leases()) forget(lease);
+    for (const wire::LeaseFailure& failure : status.failures()) forget(failure.lease_id());
+  }
+
+  void forget(std::uint64_t lease) {
+    queue.remove_if(
+        [&](const Pending& one) { return one.assignment.lease_id() == lease && !one.assignment.cancelled(); });
+  }
+
+  /// Sends worlds until the channel has them: it may be restarting, and what a dead process got is lost.
   void serve() {
     if (queue.empty()) return;
     if (worlds.matched() == 0) return tell_missing();
     missing_since.reset();
     told_missing = false;
-    for (; !queue.empty() && !stop.requested(); queue.pop_front()) {
-      wire::World world = maker->make(queue.front());
-      worlds.write(world);
-    }
+    const auto now = Clock::now();
+    queue.remove_if([&](Pending& one) {
+      if (one.due > now || stop.requested()) return false;
+      worlds.write(maker->make(one.assignment));
+      one.due = now + resend_period;
+      return one.assignment.cancelled() || ++one.sends == max_sends;
+    });
   }
 
   void tell_missing() {
@@ -80,12 +109,13 @@ struct Environment::State {
   bus::Participant participant;
   bus::Reader<wire::RunControl> controls{participant};
   bus::Reader<wire::TrialAssignment> assignments{participant};
+  bus::Reader<wire::WorkerStatus> worker_statuses{participant};
   bus::Writer<wire::World> worlds{participant};
   bus::Waiter waiter;
 
   std::optional<experiment::Experiment> experiment;
   std::optional<WorldMaker> maker;
-  std::deque<wire::TrialAssignment> queue;
+  std::list<Pending> queue;
   std::optional<Clock::time_point> missing_since;
   bool told_missing = false;
   bool over = false;

@@ -69,9 +69,19 @@ class Scene {
     waiter_.add(records_);
     waiter_.add(worker_statuses_);
     control(wire::RUN_RUNNING);
-    std::uint64_t lease = 100;
+    assign_all();
+  }
+
+  /// Every trial, under new leases.
+  void assign_all() {
     for (const experiment::Condition& condition : experiment_.conditions)
-      for (std::uint32_t trial = 0; trial < experiment_.trials; ++trial) assign(++lease, condition.index, trial);
+      for (std::uint32_t trial = 0; trial < experiment_.trials; ++trial) assign(++last_lease_, condition.index, trial);
+  }
+
+  void kill_and_restart(const std::string& program) {
+    processes_.at(program)->send(SIGKILL);
+    processes_.at(program)->wait();
+    start(program);
   }
 
   void start_foreign_agent(const std::string& agent) {
@@ -161,6 +171,7 @@ class Scene {
 
  private:
   static inline int scenes = 0;
+  std::uint64_t last_lease_ = 100;
   bus::Participant participant_{place_};
   bus::Writer<wire::RunControl> controls_{participant_};
   bus::Writer<wire::TrialAssignment> assignments_{participant_};
@@ -198,6 +209,22 @@ TEST_CASE("an agent that starts late is waited for by name, and then flies") {
   CHECK_THAT(scene.log("aloft-channel"), Contains("waits for") && Contains("agent dqn (not there)"));
   scene.start("aloft-learning-agent");
   CHECK(scene.listen_until([&] { return scene.everything_stored(); }));
+}
+
+TEST_CASE("a killed agent or channel costs time, but no byte") {
+  Scene scene;
+  for (const char* program : {"aloft-environment", "aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
+    scene.start(program);
+  REQUIRE(scene.listen_until([&] { return !scene.deliveries_.empty(); }));
+  SECTION("the learning agent, in the middle of its flights") {
+    scene.kill_and_restart("aloft-learning-agent");
+    CHECK(scene.listen_until([&] { return scene.everything_stored(); }));
+  }
+  SECTION("the channel: the trials are leased again") {
+    scene.kill_and_restart("aloft-channel");
+    scene.assign_all();
+    CHECK(scene.listen_until([&] { return scene.everything_stored(); }));
+  }
 }
 
 TEST_CASE("a foreign program on another DDS implementation plays min-height through our IDL alone") {

@@ -2,33 +2,18 @@
 // Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER [SCREENSHOT_FOLDER]
 
 import assert from 'node:assert/strict';
-import {spawn, spawnSync} from 'node:child_process';
-import {existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
-import {tmpdir} from 'node:os';
+import {spawn} from 'node:child_process';
+import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
+import {aloft, fly, pictures, scratch, sources, succeed} from './aloft.mjs';
 import {Browser, findBrowser} from './browser.mjs';
 
-const [aloft, sources, pictures] = process.argv.slice(2);
 const program = findBrowser();
-if (!program) console.log('SKIPPED: no Chromium on the PATH, so nobody has looked at the report; install the package chromium');
-const noBrowser = program ? false : 'no Chromium';
+if (!program) console.log('SKIPPED: there is no Chromium on the PATH, so nobody has looked at the report; install the package chromium');
 
-const scratch = mkdtempSync(join(tmpdir(), 'aloft-report-test-'));
-const agents = ['min-height', 'constant-120', 'random-walk', 'one-step-ahead', 'optimal-height', 'planner', 'dqn'];
 const generated = join(scratch, 'generated');
 const measured = join(scratch, 'measured');
-const everything = scratch;
-
-function run(...given) {
-  return spawnSync(aloft, given, {cwd: sources, encoding: 'utf8', timeout: 300000});
-}
-
-function succeed(...given) {
-  const {status, stderr, stdout} = run(...given);
-  assert.equal(status, 0, `aloft ${given.join(' ')}: ${stderr}`);
-  return stdout;
-}
 
 function dataOf(page) {
   const html = readFileSync(page, 'utf8');
@@ -92,16 +77,13 @@ async function picture(browser, name) {
   writeFileSync(join(pictures, `${name}.png`), await browser.screenshot());
 }
 
-before(() => {
-  const common = ['--in-process', '--trials', '3', '--agents', agents.join(',')];
-  succeed('run', 'data/experiments/bs-density.json', '--out', generated, ...common);
-  succeed('run', 'data/experiments/measured.json', '--out', measured, ...common);
-});
-after(() => rmSync(scratch, {recursive: true, force: true}));
-
-describe('the report in a browser', {skip: noBrowser}, () => {
+describe('the report in a browser', {skip: program ? false : 'no Chromium'}, () => {
   let browser;
-  before(() => { browser = new Browser(program); });
+  before(() => {
+    fly('bs-density', generated);
+    fly('measured', measured);
+    browser = new Browser(program);
+  });
   after(() => browser.close());
 
   test('generated cities: every chart, light and wide', async () => {
@@ -148,8 +130,8 @@ describe('the report in a browser', {skip: noBrowser}, () => {
   });
 
   test('several runs in one page', async () => {
-    succeed('report', everything);
-    const {data} = await checkPage(browser, join(everything, 'report.html'));
+    succeed('report', scratch);
+    const {data} = await checkPage(browser, join(scratch, 'report.html'));
     assert.deepEqual(data.experiments.map((experiment) => experiment.flights_stored), [63, 21]);
   });
 
@@ -162,36 +144,4 @@ describe('the report in a browser', {skip: noBrowser}, () => {
     const shown = await browser.evaluate('document.getElementById("missing").textContent');
     for (const line of data.missing) assert.ok(shown.includes(line));
   });
-});
-
-test('charts as SVG files, the same bytes each time', () => {
-  const once = join(scratch, 'svg-once');
-  const again = join(scratch, 'svg-again');
-  succeed('report', generated, '--svg', once);
-  succeed('report', generated, '--svg', again);
-  const files = readdirSync(once);
-  assert.ok(files.length > 20, `${files.length} files`);
-  for (const file of files) {
-    const text = readFileSync(join(once, file), 'utf8');
-    assert.match(text, /^<svg [^>]*xmlns="http:\/\/www.w3.org\/2000\/svg"/);
-    assert.match(text, /role-mark[^>]*>\s*<(path|line|text|g)/, file);
-    assert.doesNotMatch(text, /NaN|undefined/, file);
-    assert.equal(text, readFileSync(join(again, file), 'utf8'));
-  }
-});
-
-test('wrong requests end with exit code 2 and say what to do', () => {
-  const cases = [
-    [['report', join(scratch, 'nowhere')], /no such folder/],
-    [['report', join(sources, 'data')], /results\.sqlite/],
-    [['report', generated, '--trial', '99'], /--trial: no flight of trial 99/],
-    [['report', generated, '--condition', 'bs_density=1'], /--condition: there is no condition .*Allowed/],
-    [['report', generated, '--out', join(scratch, 'no', 'such', 'folder.html')], /cannot be written/],
-  ];
-  for (const [given, message] of cases) {
-    const {status, stderr} = run(...given);
-    assert.equal(status, 2, given.join(' '));
-    assert.match(stderr, message);
-  }
-  assert.ok(!existsSync(join(scratch, 'no')));
 });

@@ -1,0 +1,44 @@
+// What the report command writes and refuses, without a browser.
+// Usage: node files_test.mjs ALOFT_PROGRAM SOURCE_FOLDER
+
+import assert from 'node:assert/strict';
+import {existsSync, readFileSync, readdirSync} from 'node:fs';
+import {join} from 'node:path';
+import {before, test} from 'node:test';
+import {fly, run, scratch, sources, succeed} from './aloft.mjs';
+
+const generated = join(scratch, 'generated');
+
+before(() => fly('bs-density', generated));
+
+test('charts as SVG files, the same bytes each time', () => {
+  const once = join(scratch, 'svg-once');
+  const again = join(scratch, 'svg-again');
+  succeed('report', generated, '--svg', once);
+  succeed('report', generated, '--svg', again);
+  const files = readdirSync(once);
+  assert.ok(files.length > 20, `${files.length} files`);
+  for (const file of files) {
+    const text = readFileSync(join(once, file), 'utf8');
+    assert.match(text, /^<svg [^>]*xmlns="http:\/\/www.w3.org\/2000\/svg"/);
+    assert.match(text, /role-mark[^>]*>\s*<(path|line|text|g)/, file);
+    assert.doesNotMatch(text, /NaN|undefined/, file);
+    assert.equal(text, readFileSync(join(again, file), 'utf8'));
+  }
+});
+
+test('wrong requests end with exit code 2 and say what to do', () => {
+  const cases = [
+    [['report', join(scratch, 'nowhere')], /no such folder/],
+    [['report', join(sources, 'data')], /results\.sqlite/],
+    [['report', generated, '--trial', '99'], /--trial: no flight of trial 99/],
+    [['report', generated, '--condition', 'bs_density=1'], /--condition: there is no condition .*Allowed/],
+    [['report', generated, '--out', join(scratch, 'no', 'such', 'folder.html')], /cannot be written/],
+  ];
+  for (const [given, message] of cases) {
+    const {status, stderr} = run(...given);
+    assert.equal(status, 2, given.join(' '));
+    assert.match(stderr, message);
+  }
+  assert.ok(!existsSync(join(scratch, 'no')));
+});

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/agents/steering.hpp"
 #include "common/base/error.hpp"
 #include "common/base/random.hpp"
 #include "common/flight/flight.hpp"
@@ -55,14 +56,16 @@ Command fly_by_jumps(const Command& /*command*/, std::uint32_t step) {
 
 class Kit {
  public:
-  Kit(const AgentSpec& spec, const ConformanceOptions& options)
-      : spec_(spec), type_(agent_type(spec.type)), options_(options) {}
+  Kit(const AgentSpec& spec, const ConformanceOptions& options, QosKind kind)
+      : spec_(spec),
+        type_(agent_type(spec.type)),
+        options_(options),
+        map_(SyntheticMap::random(kind, options.steps, levels, seed)) {}
 
-  void check_all(QosKind kind) {
-    map_.emplace(SyntheticMap::random(kind, options_.steps, levels, seed));
+  void check_all() {
     check_repeatable();
     check_later_flight();
-    check_limits(kind);
+    check_limits();
     check_checkpoints();
     check_foreseeing();
     if (type_.privilege == Privilege::none) check_sees_only_reports();
@@ -105,46 +108,47 @@ class Kit {
   void check_repeatable() {
     INFO("the same flight gives the same commands");
     for (const auto& pilot : {fly_as_told, fly_half_as_told, fly_to_both_limits, fly_by_jumps})
-      CHECK(fly_fresh(*map_, pilot) == fly_fresh(*map_, pilot));
+      CHECK(fly_fresh(map_, pilot) == fly_fresh(map_, pilot));
   }
 
   void check_later_flight() {
     if (options_.lifelong) return;
     INFO("a later flight is like a fresh agent's");
-    SyntheticMap larger = SyntheticMap::random(map_->qos_kind(), options_.steps + 3, levels + 2, seed + 1);
-    SyntheticMap alike = SyntheticMap::random(map_->qos_kind(), options_.steps, levels, seed + 1);
+    SyntheticMap larger = SyntheticMap::random(map_.qos_kind(), options_.steps + 3, levels + 2, seed + 1);
+    SyntheticMap alike = SyntheticMap::random(map_.qos_kind(), options_.steps, levels, seed + 1);
     const auto agent = spec_.make();
     fly(larger, *agent, fly_half_as_told);
     fly(alike, *agent, fly_as_told);
-    CHECK(fly(*map_, *agent, fly_as_told) == fly_fresh(*map_));
+    CHECK(fly(map_, *agent, fly_as_told) == fly_fresh(map_));
   }
 
-  void check_limits(QosKind kind) {
+  void check_limits() {
+    const QosKind kind = map_.qos_kind();
     INFO("worlds of one level, and of one step");
     SyntheticMap flat = SyntheticMap::random(kind, options_.steps, 1, seed);
     fly_fresh(flat);
     SyntheticMap brief = SyntheticMap::random(kind, 1, levels, seed);
     fly_fresh(brief);
     INFO("worlds without any quality");
-    SyntheticMap silent = *map_;
+    SyntheticMap silent = map_;
     for (std::uint32_t point = 0; point < silent.qos().size(); ++point)
       for (std::uint32_t i = 0; i < levels; ++i) silent.set_qos(point, i, 0.0);
     fly_fresh(silent);
   }
 
   void check_checkpoints() {
-    const Commands whole = fly_fresh(*map_, fly_half_as_told);
+    const Commands whole = fly_fresh(map_, fly_half_as_told);
     for (const std::uint32_t stop : {0U, 1U, options_.steps / 2, options_.steps - 1}) {
       INFO("saved after the command of step " << stop << " and restored into a new agent");
       CHECK(fly_interrupted(stop) == whole);
     }
     const auto idle = spec_.make();
     idle->restore_state(spec_.make()->save_state());
-    CHECK(fly(*map_, *idle, fly_half_as_told) == whole);
+    CHECK(fly(map_, *idle, fly_half_as_told) == whole);
   }
 
   Commands fly_interrupted(std::uint32_t stop) {
-    Flight flight(*map_, seed, trial);
+    Flight flight(map_, seed, trial);
     auto agent = spec_.make();
     agent->begin(flight.info());
     Commands commands;
@@ -179,30 +183,30 @@ class Kit {
   void check_foreseeing() {
     if (type_.privilege != Privilege::none) return;
     const auto agent = spec_.make();
-    agent->begin(Flight(*map_, seed, trial).info());
+    agent->begin(Flight(map_, seed, trial).info());
     CHECK_THROWS_AS(agent->foresee(HeightProfile{1, 40.0, 10.0, std::vector<double>(levels)}), std::logic_error);
   }
 
   /// Changes everything that the UAV did not measure; the flight must not notice.
   void check_sees_only_reports() {
     INFO("commands depend on past reports alone");
-    Flight flight(*map_, seed, trial);
+    Flight flight(map_, seed, trial);
     const auto agent = spec_.make();
     agent->begin(flight.info());
-    SyntheticMap other = *map_;
+    SyntheticMap other = map_;
     for (std::uint32_t point = 0; point < other.qos().size(); ++point)
-      for (std::uint32_t i = 0; i < levels; ++i) other.set_qos(point, i, 0.9 * map_->qos()[levels % 2][i] + 1.0);
+      for (std::uint32_t i = 0; i < levels; ++i) other.set_qos(point, i, 0.9 * map_.qos()[levels % 2][i] + 1.0);
     Commands commands;
     const auto keep = [&](std::uint32_t point) {
-      const auto i = static_cast<std::uint32_t>((flight.observation().height_m - 40.0) / 10.0 + 0.5);
-      other.set_qos(point, i, map_->qos()[point][i]);
+      const auto i = nearest_level(flight.info(), flight.observation().height_m);
+      other.set_qos(point, i, map_.qos()[point][i]);
     };
     keep(0);
     while (true) {
       commands.push_back(exchange(flight, *agent));
       if (flight.finished()) break;
       flight.step(command_, "pilot");
-      keep(map_->result_point(flight.observation().step));
+      keep(map_.result_point(flight.observation().step));
     }
     CHECK(fly_fresh(other) == commands);
   }
@@ -211,10 +215,10 @@ class Kit {
   void check_sees_one_step_ahead() {
     INFO("commands depend on the next step at most");
     const std::uint32_t middle = options_.steps / 2;
-    SyntheticMap other = *map_;
-    for (std::uint32_t point = map_->result_point(middle) + 1; point < other.qos().size(); ++point)
-      for (std::uint32_t i = 0; i < levels; ++i) other.set_qos(point, i, map_->qos()[point][levels - 1 - i]);
-    Commands ours = fly_fresh(*map_);
+    SyntheticMap other = map_;
+    for (std::uint32_t point = map_.result_point(middle) + 1; point < other.qos().size(); ++point)
+      for (std::uint32_t i = 0; i < levels; ++i) other.set_qos(point, i, map_.qos()[point][levels - 1 - i]);
+    Commands ours = fly_fresh(map_);
     Commands theirs = fly_fresh(other);
     ours.resize(middle);
     theirs.resize(middle);
@@ -224,7 +228,7 @@ class Kit {
   const AgentSpec& spec_;
   const AgentType& type_;
   const ConformanceOptions& options_;
-  std::optional<SyntheticMap> map_;
+  SyntheticMap map_;
   HeightProfile buffer_;
   Command command_;
 };
@@ -235,7 +239,7 @@ void check_conformance(const nlohmann::json& entry, const ConformanceOptions& op
   for (const AgentSpec& spec : parse_agents(entry, "agent")) {
     for (const QosKind kind : {QosKind::spectral_efficiency, QosKind::throughput}) {
       INFO("agent " << spec.name << ", " << (kind == QosKind::throughput ? "throughput" : "spectral efficiency"));
-      Kit(spec, options).check_all(kind);
+      Kit(spec, options, kind).check_all();
     }
   }
 }

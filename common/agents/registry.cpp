@@ -92,7 +92,7 @@ std::string take_text(Json& object, const char* key, std::string_view where) {
   if (entry == object.end()) return {};
   if (!entry->is_string())
     throw InputError(fmt::format("{}.{}: {} is not allowed; use a text", where, key, entry->dump()));
-  const auto text = entry->get<std::string>();
+  auto text = entry->get<std::string>();
   object.erase(entry);
   return text;
 }

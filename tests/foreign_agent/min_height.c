@@ -34,7 +34,9 @@ static dds_qos_t* reliable(int depth) {
   return qos;
 }
 
-static void copy_name(char* target, size_t size, const char* source) { snprintf(target, size, "%s", source); }
+static void copy_name(char* target, size_t size, const char* source) {
+  snprintf(target, size, "%s", source);
+}
 
 int main(int argc, char** argv) {
   if (argc != 5) {
@@ -59,8 +61,8 @@ int main(int argc, char** argv) {
       dds_create_topic(participant, &aloft_wire_ChannelReport_desc, "ChannelReport", NULL, NULL), "ChannelReport");
   const dds_entity_t command_topic = checked(
       dds_create_topic(participant, &aloft_wire_HeightCommand_desc, "HeightCommand", NULL, NULL), "HeightCommand");
-  const dds_entity_t status_topic = checked(
-      dds_create_topic(participant, &aloft_wire_AgentStatus_desc, "AgentStatus", NULL, NULL), "AgentStatus");
+  const dds_entity_t status_topic =
+      checked(dds_create_topic(participant, &aloft_wire_AgentStatus_desc, "AgentStatus", NULL, NULL), "AgentStatus");
 
   dds_qos_t* report_qos = reliable(8);
   const dds_entity_t reports = checked(dds_create_reader(subscriber, report_topic, report_qos, NULL), "a reader");

@@ -14,7 +14,8 @@
 namespace aloft::test {
 namespace {
 
-[[noreturn]] void execute(const std::vector<std::string>& arguments, const std::filesystem::path& out, const std::filesystem::path& err) {
+[[noreturn]] void execute(const std::vector<std::string>& arguments, const std::filesystem::path& out,
+                          const std::filesystem::path& err) {
   setpgid(0, 0);
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
@@ -54,7 +55,9 @@ Command::~Command() {
   }
 }
 
-void Command::send(int signal) const { kill(pid_, signal); }
+void Command::send(int signal) const {
+  kill(pid_, signal);
+}
 
 bool Command::running() {
   if (!reaped_) reaped_ = waitpid(pid_, &status_, WNOHANG) == pid_;
@@ -73,9 +76,13 @@ Finished Command::wait(std::chrono::seconds limit) {
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -1, read_text(scratch_ / "out"), error_so_far()};
 }
 
-std::string Command::error_so_far() const { return read_text(scratch_ / "err"); }
+std::string Command::error_so_far() const {
+  return read_text(scratch_ / "err");
+}
 
-Finished run_command(const std::vector<std::string>& arguments, std::chrono::seconds limit) { return Command(arguments).wait(limit); }
+Finished run_command(const std::vector<std::string>& arguments, std::chrono::seconds limit) {
+  return Command(arguments).wait(limit);
+}
 
 std::string read_text(const std::filesystem::path& file) {
   std::ostringstream text;
@@ -83,7 +90,9 @@ std::string read_text(const std::filesystem::path& file) {
   return text.str();
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file) << text;
+}
 
 std::vector<int> processes_with(const std::string& text) {
   std::vector<int> pids;
@@ -95,6 +104,8 @@ std::vector<int> processes_with(const std::string& text) {
   return pids;
 }
 
-std::string test_domain() { return std::to_string(10 + getpid() % 90); }
+std::string test_domain() {
+  return std::to_string(10 + getpid() % 90);
+}
 
 }  // namespace aloft::test

@@ -13,9 +13,12 @@ using agents::Privilege;
 
 std::string_view privilege_name(Privilege privilege) {
   switch (privilege) {
-    case Privilege::none: return "none";
-    case Privilege::next_step: return "next-step";
-    case Privilege::whole_route: return "whole-route";
+    case Privilege::none:
+      return "none";
+    case Privilege::next_step:
+      return "next-step";
+    case Privilege::whole_route:
+      return "whole-route";
   }
   return "";
 }
@@ -36,27 +39,34 @@ std::string range_of(const nlohmann::json& property) {
     for (const auto& choice : property["enum"]) text += (text.empty() ? "" : " | ") + choice.get<std::string>();
     return text;
   }
-  if (property.contains("minimum")) return fmt::format("{} .. {}", property["minimum"].dump(), property["maximum"].dump());
+  if (property.contains("minimum"))
+    return fmt::format("{} .. {}", property["minimum"].dump(), property["maximum"].dump());
   return property.value("type", "");
 }
 
 void print_text(const AgentType& type) {
   std::string marks = type.learns ? "  [learns]" : "";
-  if (type.privilege != Privilege::none) marks += fmt::format("  [privileged: sees the {}]", type.privilege == Privilege::next_step ? "next step at every height" : "whole route at every height");
+  if (type.privilege != Privilege::none)
+    marks += fmt::format("  [privileged: sees the {}]", type.privilege == Privilege::next_step
+                                                            ? "next step at every height"
+                                                            : "whole route at every height");
   if (type.unconstrained) marks += "  [unconstrained: may jump]";
   fmt::print("{}{}\n    {}\n", type.name, marks, type.description);
-  if (!type.name_parameter.empty()) fmt::print("    {}-VALUE is short for {} = VALUE\n", type.name, type.name_parameter);
+  if (!type.name_parameter.empty())
+    fmt::print("    {}-VALUE is short for {} = VALUE\n", type.name, type.name_parameter);
   const nlohmann::json properties = schema_properties(type.parameters);
   for (const ParameterSpec& spec : type.parameters) {
     const nlohmann::json& property = properties[spec.name];
-    fmt::print("    {:<26} {:<14} {:<24} {}\n", spec.name, property["default"].dump(), range_of(property), spec.description);
+    fmt::print("    {:<26} {:<14} {:<24} {}\n", spec.name, property["default"].dump(), range_of(property),
+               spec.description);
   }
 }
 
 }  // namespace
 
 void add_agents(CLI::App& app, Job& job) {
-  auto* command = app.add_subcommand("agents", "List the agents: parameters, defaults, ranges, and what they are allowed to see");
+  auto* command =
+      app.add_subcommand("agents", "List the agents: parameters, defaults, ranges, and what they are allowed to see");
   auto format = std::make_shared<std::string>();
   add_format(*command, *format, {"text", "json"});
   command->callback([format, &job] {

@@ -47,7 +47,8 @@ std::string Children::Ended::reason() const {
   return fmt::format("{} ended with exit code {}", name, exit_code);
 }
 
-void Children::start(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& output) {
+void Children::start(const std::string& name, const std::vector<std::string>& arguments,
+                     const std::filesystem::path& output) {
   const SpawnSettings settings(output.string());
   std::vector<std::string> copies = arguments;
   std::vector<char*> argv;
@@ -55,7 +56,8 @@ void Children::start(const std::string& name, const std::vector<std::string>& ar
   argv.push_back(nullptr);
   pid_t pid = 0;
   const int error = posix_spawn(&pid, argv[0], &settings.actions, &settings.attributes, argv.data(), environ);
-  if (error != 0) throw std::system_error(error, std::generic_category(), fmt::format("cannot start {}", arguments.front()));
+  if (error != 0)
+    throw std::system_error(error, std::generic_category(), fmt::format("cannot start {}", arguments.front()));
   children_.push_back({name, pid});
 }
 
@@ -64,7 +66,8 @@ std::vector<Children::Ended> Children::reap() {
   std::erase_if(children_, [&](const Child& child) {
     int status = 0;
     if (waitpid(child.pid, &status, WNOHANG) != child.pid) return false;
-    ended.push_back({child.name, WIFEXITED(status) ? WEXITSTATUS(status) : -1, WIFSIGNALED(status) ? WTERMSIG(status) : 0});
+    ended.push_back(
+        {child.name, WIFEXITED(status) ? WEXITSTATUS(status) : -1, WIFSIGNALED(status) ? WTERMSIG(status) : 0});
     return true;
   });
   return ended;

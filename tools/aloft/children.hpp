@@ -9,8 +9,8 @@
 
 namespace aloft::cli {
 
-/// The processes that a run started on this machine. Each runs in a process group of its own, so that Ctrl-C reaches only
-/// the parent, which then ends them in order.
+/// The processes that a run started on this machine. Each runs in a process group of its own, so that Ctrl-C reaches
+/// only the parent, which then ends them in order.
 class Children {
  public:
   struct Ended {

@@ -6,17 +6,22 @@ namespace aloft::cli {
 
 void ExperimentOptions::add_to(CLI::App& command) {
   command.add_option("experiment", file, "Experiment file (JSON); data/experiments/ has some")->required();
-  command.add_option("--set", overrides.set, "Override one value: json.path=value, e.g. world.bs_density_per_km2=5; repeatable")
+  command
+      .add_option("--set", overrides.set,
+                  "Override one value: json.path=value, e.g. world.bs_density_per_km2=5; repeatable")
       ->expected(1)
       ->take_all();
-  command.add_option("--agents", overrides.agents, "Agents instead of the file's, e.g. min-height,constant-120")->delimiter(',');
+  command.add_option("--agents", overrides.agents, "Agents instead of the file's, e.g. min-height,constant-120")
+      ->delimiter(',');
   command.add_option("--trials", overrides.trials, "Trials per condition instead of the file's");
   command.add_option("--seed", overrides.seed, "Seed instead of the file's");
 }
 
 void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices) {
   format = choices.front();
-  command.add_option("--format", format, "Output format")->check(CLI::IsMember(std::move(choices)))->capture_default_str();
+  command.add_option("--format", format, "Output format")
+      ->check(CLI::IsMember(std::move(choices)))
+      ->capture_default_str();
 }
 
 }  // namespace aloft::cli

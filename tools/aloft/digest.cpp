@@ -6,7 +6,8 @@
 namespace aloft::cli {
 
 void add_digest(CLI::App& app, Job& job) {
-  auto* command = app.add_subcommand("digest", "Print one SHA-256 over all flights of a result folder, in canonical order");
+  auto* command =
+      app.add_subcommand("digest", "Print one SHA-256 over all flights of a result folder, in canonical order");
   auto dir = std::make_shared<std::filesystem::path>();
   command->add_option("dir", *dir, "Result folder of 'aloft run'")->required();
   command->callback([dir, &job] {

@@ -12,11 +12,16 @@ using Row = nlohmann::ordered_json;
 
 std::string_view action_name(agents::Action action) {
   switch (action) {
-    case agents::Action::none: return "none";
-    case agents::Action::down: return "down";
-    case agents::Action::hold: return "hold";
-    case agents::Action::up: return "up";
-    case agents::Action::absolute: return "absolute";
+    case agents::Action::none:
+      return "none";
+    case agents::Action::down:
+      return "down";
+    case agents::Action::hold:
+      return "hold";
+    case agents::Action::up:
+      return "up";
+    case agents::Action::absolute:
+      return "absolute";
   }
   return "";
 }
@@ -119,7 +124,8 @@ void add_export(CLI::App& app, Job& job) {
     bool flights = false;
     std::string format;
   };
-  auto* command = app.add_subcommand("export", "Write the flights or the single steps of a result folder to standard output");
+  auto* command =
+      app.add_subcommand("export", "Write the flights or the single steps of a result folder to standard output");
   auto options = std::make_shared<Options>();
   command->add_option("dir", options->dir, "Result folder of 'aloft run'")->required();
   auto* what = command->add_option_group("what")->require_option(1);

@@ -14,7 +14,13 @@ namespace {
 class Run {
  public:
   Run(store::ResultStore& results, unsigned fail_fast, Progress& progress, const std::atomic<bool>& interrupted)
-      : results_(results), experiment_(results.experiment()), stored_(results.keys()), fail_fast_(fail_fast), progress_(progress), interrupted_(interrupted), done_(stored_.size()) {}
+      : results_(results),
+        experiment_(results.experiment()),
+        stored_(results.keys()),
+        fail_fast_(fail_fast),
+        progress_(progress),
+        interrupted_(interrupted),
+        done_(stored_.size()) {}
 
   InProcessOutcome fly_all(unsigned threads) {
     {

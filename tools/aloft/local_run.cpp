@@ -26,7 +26,9 @@ constexpr std::chrono::milliseconds finish_limit{2000};
 constexpr std::chrono::seconds restart_window{60};
 constexpr std::size_t restarts_allowed = 20;  // per process and window: more is a bug, not bad luck
 
-std::filesystem::path own_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+std::filesystem::path own_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
+}
 
 /// The processes of one run: which there are, how to start each, which to start again.
 class System {
@@ -35,7 +37,8 @@ class System {
     std::filesystem::create_directories(run_.dir / "log");
     const std::string experiment = (run_.dir / "experiment.json").string();
     add("aloft-metrics", "", {"--results", run_.dir.string(), "--experiment", experiment});
-    std::vector<std::string> coordinator{"--results", run_.dir.string(), "--experiment", experiment, "--fail-fast", std::to_string(run_.fail_fast)};
+    std::vector<std::string> coordinator{"--results", run_.dir.string(), "--experiment",
+                                         experiment,  "--fail-fast",     std::to_string(run_.fail_fast)};
     if (run_.shuffled) coordinator.insert(coordinator.end(), {"--trial-order", "shuffled"});
     add("aloft-coordinator", "", coordinator);
     for (unsigned i = 0; i < run_.workers; ++i) {
@@ -67,16 +70,25 @@ class System {
 
  private:
   void add(const std::string& program, const std::string& worker, std::vector<std::string> more) {
-    std::vector<std::string> arguments{(own_folder() / program).string(), "--run", run_name_, "--domain", std::to_string(run_.domain), "--log-dir",
-                                       (run_.dir / "log").string(), "--die-with-parent"};
+    std::vector<std::string> arguments{(own_folder() / program).string(),
+                                       "--run",
+                                       run_name_,
+                                       "--domain",
+                                       std::to_string(run_.domain),
+                                       "--log-dir",
+                                       (run_.dir / "log").string(),
+                                       "--die-with-parent"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     commands_.emplace_back(worker.empty() ? program : program + "-" + worker, std::move(arguments));
   }
 
-  [[nodiscard]] std::filesystem::path log_of(const std::string& name) const { return run_.dir / "log" / (name + ".log"); }
+  [[nodiscard]] std::filesystem::path log_of(const std::string& name) const {
+    return run_.dir / "log" / (name + ".log");
+  }
 
   void start(const std::string& name) {
-    const auto command = std::find_if(commands_.begin(), commands_.end(), [&](const auto& entry) { return entry.first == name; });
+    const auto command =
+        std::find_if(commands_.begin(), commands_.end(), [&](const auto& entry) { return entry.first == name; });
     children_.start(name, command->second, run_.dir / "log" / (name + ".err"));
   }
 
@@ -85,7 +97,8 @@ class System {
     const auto now = Clock::now();
     while (!times.empty() && now - times.front() > restart_window) times.pop_front();
     if (times.size() >= restarts_allowed)
-      throw std::runtime_error(fmt::format("{} died {} times within {} s; see {}", name, times.size() + 1, restart_window.count(), log_of(name).string()));
+      throw std::runtime_error(fmt::format("{} died {} times within {} s; see {}", name, times.size() + 1,
+                                           restart_window.count(), log_of(name).string()));
     times.push_back(now);
     start(name);
   }
@@ -106,8 +119,8 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
-bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress, const std::atomic<bool>& interrupted,
-               std::vector<std::string>& failures) {
+bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
+               const std::atomic<bool>& interrupted, std::vector<std::string>& failures) {
   // Runs of the same experiment on one machine must not hear each other.
   const std::string run_name = fmt::format("{}.{}", experiment.id, getpid());
   bus::BusOptions options;
@@ -136,7 +149,9 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
     progress.note(fmt::format("{} did not stop in time and was killed", name));
   if (coordinator_exit && *coordinator_exit != 0) {
     failures = lines_of(last.message().to_string());
-    if (failures.empty()) failures.push_back(fmt::format("the coordinator ended with exit code {}; see {}", *coordinator_exit, (run.dir / "log").string()));
+    if (failures.empty())
+      failures.push_back(fmt::format("the coordinator ended with exit code {}; see {}", *coordinator_exit,
+                                     (run.dir / "log").string()));
   }
   return coordinator_exit == 0;
 }

@@ -19,9 +19,9 @@ struct LocalRun {
   int domain = 0;
 };
 
-/// Starts metrics, coordinator and workers, restarts what dies, shows progress, and ends them all. Returns true if every
-/// flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
-bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress, const std::atomic<bool>& interrupted,
-               std::vector<std::string>& failures);
+/// Starts metrics, coordinator and workers, restarts what dies, shows progress, and ends them all. Returns true if
+/// every flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
+bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
+               const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 
 }  // namespace aloft::cli

@@ -23,7 +23,8 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   const std::vector<std::string> names = names_of(*command);
   std::string hint;
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr || dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+      dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
     for (const std::string& argument : arguments) {
       const std::string word = argument.substr(0, argument.find('='));
       const bool looked_for = word.rfind("--", 0) == 0 || command == &app;
@@ -32,7 +33,8 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
     }
   }
   std::string path;
-  for (const CLI::App* part = command; part != nullptr; part = part->get_parent()) path = part->get_name() + (path.empty() ? "" : " ") + path;
+  for (const CLI::App* part = command; part != nullptr; part = part->get_parent())
+    path = part->get_name() + (path.empty() ? "" : " ") + path;
   fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, error.what(), hint, path);
   return aloft::exit_bad_input;
 }
@@ -41,7 +43,9 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
 
 int main(int argc, char** argv) {
   using namespace aloft::cli;
-  CLI::App app{"Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.", "aloft"};
+  CLI::App app{
+      "Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.",
+      "aloft"};
   app.set_version_flag("--version", std::string(aloft::build_id()));
   app.require_subcommand(1);
   app.footer("Start with: aloft run data/experiments/quick.json");
@@ -49,6 +53,7 @@ int main(int argc, char** argv) {
   add_run(app, job);
   add_validate(app, job);
   add_agents(app, job);
+  add_inspect(app, job);
   add_export(app, job);
   add_digest(app, job);
   add_compare(app, job);

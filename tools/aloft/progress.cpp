@@ -21,14 +21,20 @@ std::string clock_text(double seconds) {
 }
 
 Progress::Progress(std::uint64_t flights_total, std::uint64_t flights_already_done)
-    : terminal_(isatty(STDERR_FILENO) == 1), total_(flights_total), already_done_(flights_already_done), drawn_(Clock::now()) {}
+    : terminal_(isatty(STDERR_FILENO) == 1),
+      total_(flights_total),
+      already_done_(flights_already_done),
+      drawn_(Clock::now()) {}
 
-void Progress::update(std::uint64_t flights_done, unsigned workers_alive, unsigned workers_wanted, const std::string& message) {
+void Progress::update(std::uint64_t flights_done, unsigned workers_alive, unsigned workers_wanted,
+                      const std::string& message) {
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - started_).count();
   const std::uint64_t flown = flights_done > already_done_ ? flights_done - already_done_ : 0;
   const double rate = elapsed_s > 0 ? static_cast<double>(flown) / elapsed_s : 0.0;
-  const std::string eta = flown == 0 ? "-:--" : clock_text(static_cast<double>(total_ - std::min(flights_done, total_)) / rate);
-  text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}/{}", flights_done, total_, rate, eta, workers_alive, workers_wanted);
+  const std::string eta =
+      flown == 0 ? "-:--" : clock_text(static_cast<double>(total_ - std::min(flights_done, total_)) / rate);
+  text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}/{}", flights_done, total_, rate, eta,
+                      workers_alive, workers_wanted);
   const bool news = !message.empty() && message != last_message_;
   if (!message.empty()) text_ += "  " + message;
   last_message_ = message;
@@ -42,7 +48,9 @@ void Progress::print(const std::string& line, std::string_view end) const {
 
 void Progress::draw(bool force) {
   const auto now = Clock::now();
-  if (!force && now - drawn_ < (terminal_ ? std::chrono::milliseconds(redraw_period) : std::chrono::milliseconds(plain_line_period))) return;
+  if (!force && now - drawn_ < (terminal_ ? std::chrono::milliseconds(redraw_period)
+                                          : std::chrono::milliseconds(plain_line_period)))
+    return;
   drawn_ = now;
   print(text_, terminal_ ? "" : "\n");
   std::fflush(stderr);

@@ -7,7 +7,8 @@
 
 namespace aloft::cli {
 
-/// The status line of a run, on standard error: redrawn in place on a terminal, a plain line every few seconds otherwise.
+/// The status line of a run, on standard error: redrawn in place on a terminal, a plain line every few seconds
+/// otherwise.
 class Progress {
  public:
   Progress(std::uint64_t flights_total, std::uint64_t flights_already_done);

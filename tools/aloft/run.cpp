@@ -17,7 +17,9 @@ namespace {
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
 
-extern "C" void note_interrupt(int /*signal*/) { interrupted = true; }
+extern "C" void note_interrupt(int /*signal*/) {
+  interrupted = true;
+}
 
 struct RunOptions {
   ExperimentOptions experiment;
@@ -47,8 +49,10 @@ void report(const std::filesystem::path& dir, const std::string& format) {
 
 int run(const RunOptions& options) {
   const experiment::Experiment experiment = options.experiment.load();
-  const std::filesystem::path dir = options.out.empty() ? std::filesystem::path("results") / experiment.name : options.out;
-  const std::uint64_t total = std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size();
+  const std::filesystem::path dir =
+      options.out.empty() ? std::filesystem::path("results") / experiment.name : options.out;
+  const std::uint64_t total =
+      std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size();
   std::signal(SIGINT, note_interrupt);
   std::signal(SIGTERM, note_interrupt);
 
@@ -59,7 +63,8 @@ int run(const RunOptions& options) {
     const std::uint64_t already_done = results->keys().size();
     complete = already_done == total;
     Progress progress(total, already_done);
-    if (already_done > 0) progress.note(fmt::format("{}: {} of {} flights are already there", dir.string(), already_done, total));
+    if (already_done > 0)
+      progress.note(fmt::format("{}: {} of {} flights are already there", dir.string(), already_done, total));
     if (!complete && options.in_process) {
       InProcessOutcome outcome = run_in_process(*results, options.workers, options.fail_fast, progress, interrupted);
       failures = std::move(outcome.failures);
@@ -74,25 +79,33 @@ int run(const RunOptions& options) {
 
   for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", line);
   if (interrupted) {
-    fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n", dir.string());
+    fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n",
+               dir.string());
     return exit_interrupted;
   }
   report(dir, options.format);
-  fmt::print(stderr, "Results: {} (summary.json, summary.csv, results.sqlite, experiment.json{})\n", dir.string(), options.in_process ? "" : ", log/");
+  fmt::print(stderr, "Results: {} (summary.json, summary.csv, results.sqlite, experiment.json{})\n", dir.string(),
+             options.in_process ? "" : ", log/");
   return complete && failures.empty() ? exit_ok : exit_failure;
 }
 
 }  // namespace
 
 void add_run(CLI::App& app, Job& job) {
-  auto* command = app.add_subcommand("run", "Run an experiment on this machine: starts all services, shows progress, ends with the comparison table");
+  auto* command = app.add_subcommand(
+      "run", "Run an experiment on this machine: starts all services, shows progress, ends with the comparison table");
   auto options = std::make_shared<RunOptions>();
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "Result folder; an interrupted run in it is resumed [results/NAME]");
-  command->add_option("--workers", options->workers, "Worker groups (environment, channel, agents); with --in-process: threads")
+  command
+      ->add_option("--workers", options->workers,
+                   "Worker groups (environment, channel, agents); with --in-process: threads")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_option("--fail-fast", options->fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")->capture_default_str();
+  command
+      ->add_option("--fail-fast", options->fail_fast,
+                   "Stop after this many failed trials; 0: fly the rest, then report")
+      ->capture_default_str();
   command->add_flag("--in-process", options->in_process, "Fly in this process, without DDS: the same bytes");
   command->add_flag("--shuffled", options->shuffled, "Hand out the trials in a shuffled order: the same bytes");
   command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();

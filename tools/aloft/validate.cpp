@@ -7,16 +7,20 @@ namespace {
 
 void print_summary(const experiment::Experiment& experiment) {
   fmt::print("{}: valid, experiment id {}\n", experiment.name, experiment.id);
-  fmt::print("{} conditions x {} trials x {} agents = {} flights, seed {}\n", experiment.conditions.size(), experiment.trials,
-             experiment.agents.size(), experiment.conditions.size() * experiment.trials * experiment.agents.size(), experiment.seed);
-  for (const auto& condition : experiment.conditions) fmt::print("  condition {}: {}\n", condition.index, condition.name);
-  for (const auto& agent : experiment.agents) fmt::print("  agent {} {}\n", agent.name, agent.parameters.to_json().dump());
+  fmt::print("{} conditions x {} trials x {} agents = {} flights, seed {}\n", experiment.conditions.size(),
+             experiment.trials, experiment.agents.size(),
+             experiment.conditions.size() * experiment.trials * experiment.agents.size(), experiment.seed);
+  for (const auto& condition : experiment.conditions)
+    fmt::print("  condition {}: {}\n", condition.index, condition.name);
+  for (const auto& agent : experiment.agents)
+    fmt::print("  agent {} {}\n", agent.name, agent.parameters.to_json().dump());
 }
 
 }  // namespace
 
 void add_validate(CLI::App& app, Job& job) {
-  auto* command = app.add_subcommand("validate", "Check an experiment file and show what it would run; nothing is written");
+  auto* command =
+      app.add_subcommand("validate", "Check an experiment file and show what it would run; nothing is written");
   auto options = std::make_shared<ExperimentOptions>();
   auto format = std::make_shared<std::string>();
   options->add_to(*command);
@@ -25,7 +29,8 @@ void add_validate(CLI::App& app, Job& job) {
     job = [options, format] {
       const experiment::Experiment experiment = options->load();
       if (*format == "json")
-        fmt::print("{}\n", nlohmann::json{{"experiment_id", experiment.id}, {"resolved", experiment.canonical}}.dump(2));
+        fmt::print("{}\n",
+                   nlohmann::json{{"experiment_id", experiment.id}, {"resolved", experiment.canonical}}.dump(2));
       else
         print_summary(experiment);
       return 0;

@@ -1,0 +1,157 @@
+// aloft run, as a user sees it: the same bytes whatever the number of workers, order or interruption; nothing left
+// behind.
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/integration/command.hpp"
+
+using aloft::test::Command;
+using aloft::test::Finished;
+using aloft::test::read_text;
+using aloft::test::run_command;
+using aloft::test::ScratchDir;
+using aloft::test::test_domain;
+using aloft::test::write_text;
+using Catch::Matchers::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::string experiment_text = R"({
+  "name": "mixed",
+  "seed": 11,
+  "trials": 3,
+  "worlds": [
+    {"kind": "generated", "bs_density_per_km2": [1, 5], "building_density_per_km2": 200, "steps": 30},
+    {"kind": "measured", "file": "data/samples/measured_sample.csv"}
+  ],
+  "agents": ["min-height", "constant-120", "random-walk", "one-step-ahead", "optimal-height", "planner", "local-bandit",
+             {"type": "dqn", "epochs": 20}]
+})";
+constexpr int flights = 3 * 3 * 8;
+
+/// One scratch folder with the experiment in it.
+struct Scene {
+  ScratchDir scratch;
+  std::string experiment = (scratch / "experiment.json").string();
+
+  Scene() { write_text(experiment, experiment_text); }
+  [[nodiscard]] std::string out(const std::string& name) const { return (scratch / name).string(); }
+
+  [[nodiscard]] std::vector<std::string> command(const std::string& name,
+                                                 const std::vector<std::string>& options) const {
+    std::vector<std::string> arguments{"aloft", "run", experiment, "--out", out(name), "--domain", test_domain()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return arguments;
+  }
+  [[nodiscard]] std::string digest(const std::string& name, const std::vector<std::string>& options) const {
+    const Finished finished = run_command(command(name, options), std::chrono::seconds(120));
+    INFO(finished.err);
+    CHECK(finished.exit_code == 0);
+    return digest_of(name);
+  }
+  [[nodiscard]] std::string digest_of(const std::string& name) const {
+    return run_command({"aloft", "digest", out(name)}).out;
+  }
+};
+
+std::vector<std::string> shared_memory_files() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace
+
+TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resumed after Ctrl-C") {
+  const Scene scene;
+  const std::string reference = scene.digest("in-process", {"--in-process", "--workers", "2"});
+  CHECK(reference.size() == 65);
+  CHECK(scene.digest("in-process-1", {"--in-process", "--workers", "1"}) == reference);
+  CHECK(scene.digest("one", {"--workers", "1"}) == reference);
+  CHECK(scene.digest("two-shuffled", {"--workers", "2", "--shuffled"}) == reference);
+  CHECK(scene.digest("four", {"--workers", "4"}) == reference);
+
+  const auto shared_memory = shared_memory_files();
+  Command interrupted(scene.command("resumed", {"--workers", "2"}));
+  while (interrupted.running() && interrupted.error_so_far().find(" flights") == std::string::npos &&
+         !std::filesystem::exists(scene.scratch / "resumed" / "log"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  const auto stopped = std::chrono::steady_clock::now();
+  interrupted.send(SIGINT);
+  const Finished finished = interrupted.wait(std::chrono::seconds(10));
+  CHECK(std::chrono::steady_clock::now() - stopped < std::chrono::seconds(5));
+  CHECK((finished.exit_code == 130 || finished.exit_code == 0));
+  CHECK(aloft::test::processes_with(scene.out("resumed")).empty());
+  CHECK(shared_memory_files() == shared_memory);
+  CHECK(scene.digest("resumed", {"--workers", "2"}) == reference);
+}
+
+TEST_CASE("a finished run leaves summary, table, logs and the resolved experiment; running it again only reports") {
+  const Scene scene;
+  const Finished first = run_command(scene.command("run", {"--workers", "1"}), std::chrono::seconds(120));
+  INFO(first.err);
+  REQUIRE(first.exit_code == 0);
+  CHECK_THAT(first.out, Contains("min-height") && Contains("bit/s/Hz") && Contains("dqn"));
+  CHECK_THAT(first.err, Contains(scene.out("run")));
+
+  const Json summary = Json::parse(read_text(scene.scratch / "run" / "summary.json"));
+  CHECK(summary["experiment"] == "mixed");
+  CHECK(summary["seed"] == 11);
+  REQUIRE(summary["conditions"].size() == 3);
+  CHECK(summary["conditions"][1]["parameters"]["bs_density_per_km2"] == 5);
+  for (const Json& condition : summary["conditions"]) {
+    REQUIRE(condition["agents"].size() == 8);
+    const Json& agent = condition["agents"]["constant-120"];
+    CHECK(agent["trials"] == 3);
+    CHECK(agent["qos_ci95"][0] <= agent["qos_mean"]);
+    CHECK(agent["qos_mean"] <= agent["qos_ci95"][1]);
+    CHECK(condition["agents"]["min-height"]["gain_over_min_height_mean"] == 0.0);
+    CHECK(condition["agents"]["min-height"]["height_changes_mean"] == 0.0);
+  }
+  const Json resolved = Json::parse(read_text(scene.scratch / "run" / "experiment.json"));
+  CHECK_THAT(resolved.dump(), Contains("\"los_ray\":\"published\"") && Contains("build"));
+  CHECK(std::filesystem::exists(scene.scratch / "run" / "summary.csv"));
+  CHECK_FALSE(std::filesystem::is_empty(scene.scratch / "run" / "log"));
+
+  const Finished again = run_command(scene.command("run", {"--workers", "1"}));
+  CHECK(again.exit_code == 0);
+  CHECK(again.out == first.out);
+}
+
+TEST_CASE("export gives every flight and every step, as CSV and JSON") {
+  const Scene scene;
+  REQUIRE(run_command(scene.command("run", {"--in-process"}), std::chrono::seconds(120)).exit_code == 0);
+  const std::string dir = scene.out("run");
+  const std::string csv = run_command({"aloft", "export", dir, "--flights", "--format", "csv"}).out;
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == flights + 1);
+  const Json steps = Json::parse(run_command({"aloft", "export", dir, "--steps", "--format", "json"}).out);
+  const Json sample = Json::parse(run_command({"aloft", "inspect", "table", scene.experiment, "--condition", "0",
+                                               "--trial", "2", "--format", "json"})
+                                      .out);
+  CHECK(sample.is_object());
+  std::size_t generated_steps = 0;
+  for (const Json& step : steps)
+    if (step["qos_unit"] == "bit/s/Hz") ++generated_steps;
+  CHECK(generated_steps == 2U * 3 * 8 * 30);
+}
+
+TEST_CASE("--agents, --trials, --seed and --set override the file") {
+  const Scene scene;
+  const Finished finished =
+      run_command(scene.command("run", {"--in-process", "--agents", "constant-60,min-height", "--trials", "1", "--seed",
+                                        "18446744073709551615", "--set", "worlds.0.bs_density_per_km2=2.5"}));
+  INFO(finished.err);
+  REQUIRE(finished.exit_code == 0);
+  const Json summary = Json::parse(read_text(scene.scratch / "run" / "summary.json"));
+  CHECK(summary["seed"] == 18446744073709551615U);
+  REQUIRE(summary["conditions"].size() == 2);
+  CHECK(summary["conditions"][0]["agents"].size() == 2);
+  CHECK(summary["conditions"][0]["agents"]["constant-60"]["trials"] == 1);
+}

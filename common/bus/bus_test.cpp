@@ -233,7 +233,12 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   dds::DataWriter* writer = raw.state()->publisher(bus::Scope::worker).create_datawriter(topic, qos);
   REQUIRE(writer != nullptr);
-  REQUIRE(eventually([&] { return reader.matched() == 1; }));
+  // Both sides must know each other: a volatile sample is for those readers only that its writer knows.
+  REQUIRE(eventually([&] {
+    dds::PublicationMatchedStatus status;
+    writer->get_publication_matched_status(status);
+    return reader.matched() == 1 && status.current_count == 1;
+  }));
 
   const std::vector<unsigned char> good = serialized(command(9, 1));
   std::vector<std::vector<unsigned char>> bad;
@@ -299,7 +304,7 @@ TEST_CASE("the strongest live writer is heard; the next one takes over when it d
   bus::Writer<wire::HeightCommand> standby(weak, {.strength = 1});
   auto strong = std::make_unique<bus::Participant>(place("strong"));
   auto owner = std::make_unique<bus::Writer<wire::HeightCommand>>(*strong, bus::WriterOptions{.strength = 5});
-  REQUIRE(eventually([&] { return reader.matched() == 2; }));
+  REQUIRE(eventually([&] { return reader.matched() == 2 && owner->matched() == 1 && standby.matched() == 1; }));
 
   owner->write(command(0, 1));
   wire::HeightCommand sample;

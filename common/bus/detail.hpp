@@ -113,7 +113,8 @@ struct Participant::State {
     register_topic(entry, settings, eprosima::fastdds::dds::TypeSupport(new CheckedType<Generated>(*entry.drops)));
     return entry;
   }
-  void register_topic(TopicEntry& entry, const TopicSettings& settings, eprosima::fastdds::dds::TypeSupport type);
+  void register_topic(TopicEntry& entry, const TopicSettings& settings,
+                      const eprosima::fastdds::dds::TypeSupport& type);
 
   BusOptions options;
   mutable std::mutex mutex;

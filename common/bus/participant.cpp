@@ -144,7 +144,8 @@ dds::Subscriber& Participant::State::subscriber(Scope scope) {
   return *subscriber;
 }
 
-void Participant::State::register_topic(TopicEntry& entry, const TopicSettings& settings, dds::TypeSupport type) {
+void Participant::State::register_topic(TopicEntry& entry, const TopicSettings& settings,
+                                        const dds::TypeSupport& type) {
   const std::string name(settings.name);
   if (participant->register_type(type) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
     throw std::runtime_error("bus: cannot register the type of topic " + name);

@@ -27,6 +27,8 @@ void Task::run() noexcept try {
   if (!observation.last) command = agent->act();
 } catch (const std::exception& failure) {
   error = failure.what();
+} catch (...) {
+  error = "unknown exception";
 }
 
 Pilot::Pilot(const agents::AgentSpec& spec, std::uint32_t stream) : spec_(spec), type_(agents::agent_type(spec.type)) {

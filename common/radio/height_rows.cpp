@@ -6,7 +6,11 @@
 // rounded by itself, as IEEE 754 demands (no fused multiply-add, no reordering).
 #if defined(__x86_64__)
 #define ALOFT_WIDE_VECTORS [[gnu::target("avx2")]]
+#if defined(__clang__)
+#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl")]]
+#else
 #define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]]
+#endif
 #endif
 
 namespace aloft::radio {
@@ -46,9 +50,8 @@ void run(Arguments... arguments) {
 }
 
 template <BsAntenna antenna, PathDistance path>
-constexpr auto power_segment = [] [[gnu::always_inline]] (const RadioModel* model, double distance_m,
-                                                          const double* rise_m, std::size_t size, double path_exponent,
-                                                          double* power_w) {
+[[gnu::always_inline]] inline void power_segment(const RadioModel* model, double distance_m, const double* rise_m,
+                                                 std::size_t size, double path_exponent, double* power_w) {
   if (path_exponent == 4.0) {  // the exponent known to the compiler: path_gain() without its branch
     for (std::size_t i = 0; i < size; ++i)
       power_w[i] = received_power_w<antenna, path>(*model, distance_m, rise_m[i], 4.0);
@@ -56,47 +59,43 @@ constexpr auto power_segment = [] [[gnu::always_inline]] (const RadioModel* mode
     for (std::size_t i = 0; i < size; ++i)
       power_w[i] = received_power_w<antenna, path>(*model, distance_m, rise_m[i], path_exponent);
   }
-};
+}
 
-constexpr auto limits_loop = [] [[gnu::always_inline]] (const RadioModel* model, double distance_m,
-                                                        const double* rise_m, std::size_t size, double* nearest_m,
-                                                        double* farthest_m) {
+[[gnu::always_inline]] inline void limits_loop(const RadioModel* model, double distance_m, const double* rise_m,
+                                               std::size_t size, double* nearest_m, double* farthest_m) {
   for (std::size_t i = 0; i < size; ++i) {
     const BeamLimits limits = beam_limits(*model, distance_m, rise_m[i]);
     nearest_m[i] = limits.nearest_m;
     farthest_m[i] = limits.farthest_m;
   }
-};
+}
 
-constexpr auto exponential_loop = [] [[gnu::always_inline]] (const std::uint32_t* words, std::size_t size,
-                                                             double* out) {
+[[gnu::always_inline]] inline void exponential_loop(const std::uint32_t* words, std::size_t size, double* out) {
   for (std::size_t i = 0; i < size; ++i) out[i] = -natural_log(unit_interval(words[i]));
-};
+}
 
-constexpr auto spectral_efficiency_loop = [] [[gnu::always_inline]] (const double* sinr, std::size_t size,
-                                                                     double* out) {
+[[gnu::always_inline]] inline void spectral_efficiency_loop(const double* sinr, std::size_t size, double* out) {
   for (std::size_t i = 0; i < size; ++i) out[i] = spectral_efficiency(sinr[i]);
-};
+}
 
-constexpr auto decibel_loop = [] [[gnu::always_inline]] (const double* sinr, std::size_t size, double* out) {
+[[gnu::always_inline]] inline void decibel_loop(const double* sinr, std::size_t size, double* out) {
   for (std::size_t i = 0; i < size; ++i) out[i] = decibel(sinr[i]);
-};
+}
 
-constexpr auto any_at_most_loop = [] [[gnu::always_inline]] (const double* values, std::size_t size, double limit,
-                                                             std::uint64_t* found) {
+[[gnu::always_inline]] inline void any_at_most_loop(const double* values, std::size_t size, double limit,
+                                                    std::uint64_t* found) {
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < size; ++i) count += values[i] <= limit ? 1U : 0U;
   *found = count;
-};
+}
 
-constexpr auto disturbance_loop = [] [[gnu::always_inline]] (double distance_m, const double* wanted,
-                                                             const double* nearest_m, const double* farthest_m,
-                                                             std::size_t size, double* disturbs) {
+[[gnu::always_inline]] inline void disturbance_loop(double distance_m, const double* wanted, const double* nearest_m,
+                                                    const double* farthest_m, std::size_t size, double* disturbs) {
   for (std::size_t i = 0; i < size; ++i) {
     const bool inside = BeamLimits{nearest_m[i], farthest_m[i]}.contain(distance_m);
     disturbs[i] = inside ? wanted[i] : 0.0;
   }
-};
+}
 
 template <BsAntenna antenna, PathDistance path>
 void power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, std::uint32_t first_los,

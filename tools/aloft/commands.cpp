@@ -4,6 +4,19 @@
 
 namespace aloft::cli {
 
+namespace {
+
+/// CLI11 would read "-1" as the largest unsigned number.
+const CLI::Validator whole_number(
+    [](const std::string& text) {
+      return text.empty() || text.find_first_not_of("0123456789") != std::string::npos
+                 ? "'" + text + "' is not allowed; use a whole number from 0"
+                 : std::string();
+    },
+    "WHOLE NUMBER");
+
+}  // namespace
+
 void ExperimentOptions::add_to(CLI::App& command) {
   command.add_option("experiment", file, "Experiment file (JSON); data/experiments/ has some")->required();
   command
@@ -13,8 +26,8 @@ void ExperimentOptions::add_to(CLI::App& command) {
       ->take_all();
   command.add_option("--agents", overrides.agents, "Agents instead of the file's, e.g. min-height,constant-120")
       ->delimiter(',');
-  command.add_option("--trials", overrides.trials, "Trials per condition instead of the file's");
-  command.add_option("--seed", overrides.seed, "Seed instead of the file's");
+  command.add_option("--trials", overrides.trials, "Trials per condition instead of the file's")->check(whole_number);
+  command.add_option("--seed", overrides.seed, "Seed instead of the file's")->check(whole_number);
 }
 
 void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices) {

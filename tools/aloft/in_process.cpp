@@ -2,21 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mutex>
 #include <thread>
 
+#include "common/base/error.hpp"
 #include "common/experiment/trial_world.hpp"
 
 namespace aloft::cli {
 namespace {
 
-/// The trials of an experiment, handed out one after another to the threads that fly them.
+struct Flown {
+  experiment::FlightKey key;
+  std::string trace;
+  std::string memory;  ///< for the next flight of the lineage; empty if the agent keeps none
+};
+
+/// The trials of an experiment, handed out to the threads that fly them: one by one if they are independent, else
+/// lineage by lineage.
 class Run {
  public:
   Run(store::ResultStore& results, unsigned fail_fast, Progress& progress, const std::atomic<bool>& interrupted)
       : results_(results),
         experiment_(results.experiment()),
         stored_(results.keys()),
+        lineages_(lineages_of(experiment_)),
         fail_fast_(fail_fast),
         progress_(progress),
         interrupted_(interrupted),
@@ -33,19 +43,36 @@ class Run {
   }
 
  private:
+  /// Independent trials are lineages of one trial.
+  static std::uint32_t lineages_of(const experiment::Experiment& experiment) {
+    const std::uint32_t lineages = experiment::trial_lineages(experiment);
+    return lineages == 0 ? experiment.trials : std::min(lineages, experiment.trials);
+  }
+
   void fly_trials() {
-    const std::uint64_t trials = std::uint64_t{experiment_.trials} * experiment_.conditions.size();
+    const std::uint64_t lineages = std::uint64_t{lineages_} * experiment_.conditions.size();
     while (!stop()) {
-      const std::uint64_t next = next_trial_++;
-      if (next >= trials) return;
-      const auto& condition = experiment_.conditions[next / experiment_.trials];
-      fly_trial(condition, static_cast<std::uint32_t>(next % experiment_.trials));
+      const std::uint64_t next = next_lineage_++;
+      if (next >= lineages) return;
+      fly_lineage(experiment_.conditions[next / lineages_], static_cast<std::uint32_t>(next % lineages_));
     }
   }
 
-  void fly_trial(const experiment::Condition& condition, std::uint32_t trial) {
+  void fly_lineage(const experiment::Condition& condition, std::uint32_t first_trial) {
+    for (std::uint32_t trial = first_trial; trial < experiment_.trials && !stop(); trial += lineages_) {
+      if (fly_trial(condition, trial)) continue;
+      if (experiment_.trials - trial > lineages_)
+        fail(fmt::format("condition {} ({}): the trials that follow trial {} in its lineage were not flown",
+                         condition.index, condition.name, trial));
+      return;
+    }
+  }
+
+  /// False if a flight failed.
+  bool fly_trial(const experiment::Condition& condition, std::uint32_t trial) {
     std::unique_ptr<radio::SignalMap> map;
-    std::vector<std::pair<experiment::FlightKey, std::string>> flown;
+    std::vector<Flown> flown;
+    bool failed = false;
     try {
       for (const agents::AgentSpec& spec : experiment_.agents) {
         experiment::FlightKey key{condition.index, trial, spec.name};
@@ -53,19 +80,31 @@ class Run {
         if (stop()) break;
         if (!map) map = experiment::make_signal_map(experiment_, condition, trial);
         const auto agent = spec.make();
+        if (const auto earlier = spec.remembered_trial(trial))
+          agent->restore_state(memory_after({condition.index, *earlier, spec.name}));
         const flight::FlightRecord record = flight::fly(*map, experiment_.seed, trial, *agent, spec);
-        flown.emplace_back(std::move(key), store::encode_trace(record));
+        flown.push_back(
+            {std::move(key), store::encode_trace(record), spec.lineages() > 0 ? agent->save_state() : std::string()});
       }
     } catch (const std::exception& error) {
       fail(fmt::format("condition {} ({}), trial {}: {}", condition.index, condition.name, trial, error.what()));
+      failed = true;
     }
     store_all(flown);
+    return !failed;
   }
 
-  void store_all(const std::vector<std::pair<experiment::FlightKey, std::string>>& flown) {
+  [[nodiscard]] std::string memory_after(const experiment::FlightKey& key) {
+    const std::scoped_lock lock(mutex_);
+    std::optional<std::string> memory = results_.memory(key);
+    if (!memory) throw IntegrityError(fmt::format("what agent '{}' learnt in trial {} is lost", key.agent, key.trial));
+    return std::move(*memory);
+  }
+
+  void store_all(const std::vector<Flown>& flown) {
     const std::scoped_lock lock(mutex_);
     results_.batch([&] {
-      for (const auto& [key, trace] : flown) results_.add(key, trace);
+      for (const Flown& flight : flown) results_.add(flight.key, flight.trace, flight.memory);
     });
     done_ += flown.size();
     progress_.update(done_, threads_, threads_, "");
@@ -82,11 +121,12 @@ class Run {
   store::ResultStore& results_;
   const experiment::Experiment& experiment_;
   const std::set<experiment::FlightKey> stored_;
+  const std::uint32_t lineages_;
   unsigned fail_fast_;
   Progress& progress_;
   const std::atomic<bool>& interrupted_;
   unsigned threads_ = 0;
-  std::atomic<std::uint64_t> next_trial_ = 0;
+  std::atomic<std::uint64_t> next_lineage_ = 0;
   std::atomic<bool> failed_ = false;
   std::mutex mutex_;
   std::uint64_t done_;

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <thread>
 
+#include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "tools/aloft/children.hpp"
@@ -23,6 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds poll_period{100};
 constexpr std::chrono::milliseconds stop_limit{4000};
 constexpr std::chrono::milliseconds finish_limit{2000};
+constexpr std::chrono::milliseconds farewell_limit{3000};
 constexpr std::chrono::seconds restart_window{60};
 constexpr std::size_t restarts_allowed = 20;  // per process and window: more is a bug, not bad luck
 
@@ -54,11 +56,24 @@ class System {
 
   /// Starts again what died. Returns a line for each death; `coordinator_exit` is set when the coordinator is through.
   std::vector<std::string> supervise(std::optional<int>& coordinator_exit) {
-    std::vector<std::string> lines;
+    std::vector<Children::Ended> deaths;
     for (const Children::Ended& ended : children_.reap()) {
-      const bool through = ended.name == "aloft-coordinator" && ended.signal == 0;
-      if (through) coordinator_exit = ended.exit_code;
-      if (through || coordinator_exit) continue;
+      if (ended.name == "aloft-coordinator" && ended.signal == 0)
+        coordinator_exit = ended.exit_code;
+      else if (ended.signal == 0 && ended.exit_code == exit_ok)
+        left_.emplace_back(ended, Clock::now());
+      else
+        deaths.push_back(ended);
+    }
+    if (coordinator_exit) return {};
+    // Who leaves in good order has heard that the run is over; the coordinator follows at once, or else it died.
+    std::erase_if(left_, [&](const auto& entry) {
+      const bool alone = Clock::now() - entry.second > farewell_limit;
+      if (alone) deaths.push_back(entry.first);
+      return alone;
+    });
+    std::vector<std::string> lines;
+    for (const Children::Ended& ended : deaths) {
       lines.push_back(fmt::format("{}; starting it again (its log: {})", ended.reason(), log_of(ended.name).string()));
       start_again(ended.name);
     }
@@ -107,6 +122,7 @@ class System {
   std::string run_name_;
   std::vector<std::pair<std::string, std::vector<std::string>>> commands_;
   std::map<std::string, std::deque<Clock::time_point>> restarts_;
+  std::vector<std::pair<Children::Ended, Clock::time_point>> left_;
   Children children_;
 };
 

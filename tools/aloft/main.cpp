@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
   app.footer("Start with: aloft run data/experiments/quick.json");
   Job job;
   add_run(app, job);
+  add_reproduce(app, job);
   add_validate(app, job);
   add_agents(app, job);
   add_inspect(app, job);

@@ -1,0 +1,91 @@
+#include "tools/aloft/local_experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <thread>
+
+#include "common/base/error.hpp"
+#include "common/experiment/summary.hpp"
+#include "common/experiment/text_file.hpp"
+#include "common/store/result_store.hpp"
+#include "tools/aloft/in_process.hpp"
+#include "tools/aloft/local_run.hpp"
+
+namespace aloft::cli {
+namespace {
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
+
+extern "C" void note_interrupt(int /*signal*/) {
+  interrupted = true;
+}
+
+void write_summary(const std::filesystem::path& dir) {
+  const nlohmann::ordered_json summary = store::summarise(store::ResultStore::open_for_reading(dir));
+  experiment::write_text_file(dir / "summary.json", summary.dump(2) + "\n");
+  experiment::write_text_file(dir / "summary.csv", experiment::summary_csv(summary));
+}
+
+/// Returns true if every flight is stored; what failed for good is added to `failures`.
+bool fly_missing(const experiment::Experiment& experiment, const std::filesystem::path& dir,
+                 const FlyingOptions& options, std::vector<std::string>& failures) {
+  const std::uint64_t total =
+      std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size();
+  auto results = std::make_unique<store::ResultStore>(store::ResultStore::open_for_writing(dir, experiment));
+  const std::uint64_t already_done = results->keys().size();
+  Progress progress(total, already_done);
+  if (already_done > 0)
+    progress.note(fmt::format("{}: {} of {} flights are already there", dir.string(), already_done, total));
+  bool complete = already_done == total;
+  if (!complete && options.in_process) {
+    failures = run_in_process(*results, options.workers, options.fail_fast, progress, interrupted).failures;
+    complete = results->keys().size() == total;
+  } else if (!complete) {
+    results.reset();  // the metrics service is the one writer
+    const LocalRun local{dir, options.workers, options.fail_fast, options.shuffled, options.domain};
+    complete = run_local(local, experiment, progress, interrupted, failures);
+  }
+  progress.finish();
+  return complete;
+}
+
+}  // namespace
+
+FlyingOptions::FlyingOptions() : workers(std::max(1U, std::thread::hardware_concurrency())) {}
+
+void FlyingOptions::add_to(CLI::App& command) {
+  command.add_option("--workers", workers, "Worker groups (environment, channel, agents); with --in-process: threads")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command.add_option("--fail-fast", fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")
+      ->capture_default_str();
+  command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");
+  command.add_flag("--shuffled", shuffled, "Hand out the trials in a shuffled order: the same bytes");
+  command.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
+}
+
+int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,
+                   const FlyingOptions& options) {
+  std::signal(SIGINT, note_interrupt);
+  std::signal(SIGTERM, note_interrupt);
+  std::vector<std::string> failures;
+  const bool complete = fly_missing(experiment, dir, options, failures);
+  for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", line);
+  if (interrupted) {
+    fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n",
+               dir.string());
+    return exit_interrupted;
+  }
+  write_summary(dir);
+  return complete && failures.empty() ? exit_ok : exit_failure;
+}
+
+std::string comparison(const std::filesystem::path& dir, const std::string& format) {
+  const nlohmann::ordered_json summary = store::summarise(store::ResultStore::open_for_reading(dir));
+  return format == "json" ? summary.dump(2) + "\n" : experiment::summary_table(summary);
+}
+
+}  // namespace aloft::cli

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "common/experiment/experiment.hpp"
+
+namespace aloft::cli {
+
+/// How an experiment is flown on this machine.
+struct FlyingOptions {
+  unsigned workers = 1;
+  unsigned fail_fast = 0;
+  bool in_process = false;
+  bool shuffled = false;
+  int domain = 0;
+
+  FlyingOptions();  ///< a worker per core
+  void add_to(CLI::App& command);
+};
+
+/// Flies what is missing in `dir` of this experiment and shows progress; Ctrl-C stops it. Writes summary.json and
+/// summary.csv unless interrupted. Returns the exit code (base/error.hpp). InputError if `dir` is of another
+/// experiment.
+int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,
+                   const FlyingOptions& options);
+
+/// The comparison of a result folder as aligned text, or "json": the content of summary.json.
+[[nodiscard]] std::string comparison(const std::filesystem::path& dir, const std::string& format);
+
+}  // namespace aloft::cli

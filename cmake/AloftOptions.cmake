@@ -10,10 +10,15 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
-set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
-
 set(ALOFT_SANITIZE "" CACHE STRING "Sanitizers for our code: empty, address or thread")
 set_property(CACHE ALOFT_SANITIZE PROPERTY STRINGS "" address thread)
+
+# Instrumented code compiles about twice as fast at -O1; assertions stay on there, to find more.
+if(ALOFT_SANITIZE)
+  set(CMAKE_CXX_FLAGS_RELEASE "-O1")
+else()
+  set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+endif()
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)

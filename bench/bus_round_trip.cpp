@@ -212,7 +212,7 @@ void bus_round_trip(benchmark::State& state) {
   BarePair bare;
   std::vector<double> ours_us;
   std::vector<double> bare_us;
-  for (auto unused : state) {
+  for ([[maybe_unused]] auto _ : state) {
     turn(ours, ours_us);
     turn(bare, bare_us);
   }

@@ -21,8 +21,6 @@
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
 
-extern char** environ;
-
 namespace aloft {
 namespace {
 
@@ -56,6 +54,7 @@ class Process {
     std::vector<std::string> arguments{"taskset",  "-c", "0",        (folder / program).string(), "--run", place.run,
                                        "--worker", "w0", "--domain", std::to_string(place.domain)};
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     if (posix_spawnp(&pid_, "taskset", nullptr, nullptr, argv.data(), environ) != 0)
@@ -156,7 +155,7 @@ void measure(benchmark::State& state, const std::string& experiment_text, int nu
   constexpr double steps_per_flight = 100.0;
   Driver driver(experiment_text, number);
   driver.fly(warm_up_flights);
-  for (auto unused : state) driver.fly(flights);
+  for ([[maybe_unused]] auto _ : state) driver.fly(flights);
   state.counters["steps_per_s"] = benchmark::Counter(
       static_cast<double>(state.iterations() * flights) * steps_per_flight, benchmark::Counter::kIsRate);
 }

@@ -30,7 +30,7 @@ void lease_and_store(benchmark::State& state) {
   std::vector<std::string> names;
   for (std::uint32_t i = 0; i < workers; ++i) names.push_back("worker-" + std::to_string(i));
   std::size_t bytes = 0;
-  for ([[maybe_unused]] const auto _ : state) {  // NOLINT(clang-analyzer-deadcode.DeadStores)
+  for ([[maybe_unused]] auto _ : state) {
     LeaseLedger ledger(options(trials));
     Clock::time_point now{};
     std::vector<Lease> in_air;
@@ -61,7 +61,7 @@ void lease_and_store(benchmark::State& state) {
 /// A restarted coordinator with half of the flights in the database: from nothing to the first lease.
 void recover(benchmark::State& state) {
   const auto trials = static_cast<std::uint32_t>(state.range(0));
-  for ([[maybe_unused]] const auto _ : state) {  // NOLINT(clang-analyzer-deadcode.DeadStores)
+  for ([[maybe_unused]] auto _ : state) {
     LeaseLedger ledger(options(trials));
     for (std::uint32_t condition = 0; condition < 5; ++condition)
       for (std::uint32_t trial = 0; trial < trials / 10; ++trial)
@@ -77,7 +77,7 @@ void recover(benchmark::State& state) {
 /// Every worker dies at once: from silence to all leases in new hands.
 void lose_all_workers(benchmark::State& state) {
   const auto lost_workers = static_cast<std::uint32_t>(state.range(0));
-  for ([[maybe_unused]] const auto _ : state) {  // NOLINT(clang-analyzer-deadcode.DeadStores)
+  for ([[maybe_unused]] auto _ : state) {
     state.PauseTiming();
     LeaseLedger ledger(options(100'000));
     for (std::uint32_t i = 0; i < lost_workers; ++i)

@@ -64,7 +64,7 @@ void count_steps(benchmark::State& state, std::uint32_t steps_per_flight) {
 
 void floor_of_table_walk(benchmark::State& state) {
   auto map = city_sized_map();
-  for (auto _ : state) benchmark::DoNotOptimize(walk_the_table(map));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(walk_the_table(map));
   count_steps(state, map.steps());
 }
 
@@ -72,7 +72,7 @@ void fly_agent(benchmark::State& state, const char* name) {
   auto map = city_sized_map();
   const agents::AgentSpec spec = agents::parse_agents(name, "benchmark").front();
   std::uint32_t trial = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const auto agent = spec.make();
     benchmark::DoNotOptimize(flight::fly(map, 1, trial++, *agent, spec));
   }

@@ -40,7 +40,7 @@ void gradient_step(benchmark::State& state, Path path, Loss loss) {
   aloft::RandomStream random(1, 0, "benchmark");
   network->load(aloft::learn::initial_state(shape, random));
   constexpr std::size_t epochs = 200;
-  for (auto _ : state) benchmark::DoNotOptimize(network->train(batch, loss, epochs));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(network->train(batch, loss, epochs));
   const double floor_s = multiply_adds(shape) / floor_rate(path);
   const auto steps = static_cast<double>(state.iterations() * epochs);
   using benchmark::Counter;
@@ -71,7 +71,7 @@ void dqn_episode(benchmark::State& state) {
   constexpr std::uint32_t steps = 100;
   const aloft::Parameters parameters(aloft::agents::dqn_parameters());
   std::uint32_t trial = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     aloft::agents::Dqn agent(parameters);
     agent.begin({aloft::agents::QosKind::spectral_efficiency, 40, 240, 10, steps, 1, ++trial});
     aloft::RandomStream random(1, trial, "benchmark");

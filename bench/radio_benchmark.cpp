@@ -31,7 +31,7 @@ void table(benchmark::State& state, const Parameters& world) {
   for (std::uint32_t trial = 0; trial < trials; ++trial) cities.push_back(world::generate_city(world, seed, trial));
   std::uint32_t trial = 0;
   double stations = 0.0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const auto map = radio::make_generated_map(world, cities[trial], seed, trial);
     map->prepare();
     benchmark::DoNotOptimize(map.get());
@@ -78,7 +78,7 @@ BENCHMARK(se_table_by_window)->ArgName("window_m")->Arg(3000)->Arg(6000)->Arg(10
 void city_and_blocking_heights(benchmark::State& state) {
   const Parameters world = world_with(5.0, static_cast<double>(state.range(0)), 3000.0);
   std::uint32_t trial = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const world::City city = world::generate_city(world, seed, trial++ % trials);
     const world::Route route(world, city);
     double sum_m = 0.0;

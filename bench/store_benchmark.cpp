@@ -57,7 +57,7 @@ void store_flights(benchmark::State& state) {
   auto results = store::ResultStore::open_for_writing(folder.path / "out", experiment);
   const std::string trace = store::encode_trace(flight_of_100_steps());
   std::uint32_t trial = 0;
-  for (auto _ : state)
+  for ([[maybe_unused]] auto _ : state)
     results.batch([&] {
       for (std::uint32_t i = 0; i < batch_flights; ++i) (void)results.add({0, trial++, "random-walk"}, trace);
     });
@@ -70,7 +70,7 @@ void append_and_sync(benchmark::State& state) {
   const Folder folder;
   const std::string batch(store::encode_trace(flight_of_100_steps()).size() * batch_flights, 'x');
   const int file = ::open((folder.path / "floor").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     if (::write(file, batch.data(), batch.size()) < 0 || ::fdatasync(file) != 0) state.SkipWithError("cannot write");
   }
   ::close(file);
@@ -80,7 +80,7 @@ BENCHMARK(append_and_sync)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void encode_flight(benchmark::State& state) {
   const flight::FlightRecord record = flight_of_100_steps();
-  for (auto _ : state) benchmark::DoNotOptimize(store::encode_trace(record));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(store::encode_trace(record));
 }
 BENCHMARK(encode_flight)->Unit(benchmark::kMicrosecond);
 
@@ -89,7 +89,7 @@ void intervals_of_condition(benchmark::State& state) {
   std::vector<std::vector<double>> samples(16, std::vector<double>(1000));
   for (auto& sample : samples) std::iota(sample.begin(), sample.end(), 0.0);
   const std::vector<std::span<const double>> views(samples.begin(), samples.end());
-  for (auto _ : state) benchmark::DoNotOptimize(experiment::bootstrap_ci95(views, 1));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(experiment::bootstrap_ci95(views, 1));
 }
 BENCHMARK(intervals_of_condition)->Unit(benchmark::kMillisecond);
 

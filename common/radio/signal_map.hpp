@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -25,10 +26,10 @@ struct HeightGrid {
   double resolution_m = 0.0;   ///< of the table; divides height_step_m
 
   [[nodiscard]] std::uint32_t size() const noexcept {
-    return static_cast<std::uint32_t>((height_max_m - height_min_m) / resolution_m + 0.5) + 1;
+    return static_cast<std::uint32_t>(std::lround((height_max_m - height_min_m) / resolution_m)) + 1;
   }
   [[nodiscard]] std::uint32_t indices_per_step() const noexcept {
-    return static_cast<std::uint32_t>(height_step_m / resolution_m + 0.5);
+    return static_cast<std::uint32_t>(std::lround(height_step_m / resolution_m));
   }
   [[nodiscard]] double height_m(std::uint32_t index) const noexcept { return height_min_m + resolution_m * index; }
 };

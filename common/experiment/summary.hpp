@@ -28,6 +28,9 @@ struct FlightScore {
 [[nodiscard]] nlohmann::ordered_json summarise(const Experiment& experiment, std::span<const FlightScore> scores,
                                                std::string_view build);
 
+/// A value as a CSV cell: null is empty, a text is quoted where it must be.
+[[nodiscard]] std::string csv_cell(const nlohmann::ordered_json& value);
+
 /// A summary as CSV, one line per condition and agent.
 [[nodiscard]] std::string summary_csv(const nlohmann::ordered_json& summary);
 

@@ -8,10 +8,8 @@
 #include "common/experiment/summary.hpp"
 
 namespace aloft::experiment {
-namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-using Row = std::vector<std::string>;
 
 std::string csv_cell(const OrderedJson& value) {
   if (value.is_null()) return "";
@@ -22,6 +20,10 @@ std::string csv_cell(const OrderedJson& value) {
   for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
   return quoted + '"';
 }
+
+namespace {
+
+using Row = std::vector<std::string>;
 
 /// A number in `unit`, three or four digits that matter.
 std::string digits(const OrderedJson& value, double unit) {

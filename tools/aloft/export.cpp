@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/experiment/summary.hpp"
 #include "common/store/result_store.hpp"
 #include "tools/aloft/commands.hpp"
 
@@ -36,7 +37,7 @@ class RowWriter {
       fmt::print("{}{}", first_ ? "[\n" : ",\n", row.dump());
     } else {
       if (first_) print_line(row, [](const auto& item) { return item.key(); });
-      print_line(row, [](const auto& item) { return cell(item.value()); });
+      print_line(row, [](const auto& item) { return experiment::csv_cell(item.value()); });
     }
     first_ = false;
   }
@@ -46,16 +47,6 @@ class RowWriter {
   }
 
  private:
-  static std::string cell(const Row& value) {
-    if (value.is_null()) return "";
-    if (!value.is_string()) return value.dump();
-    const auto text = value.get<std::string>();
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + "\"";
-  }
-
   template <typename Text>
   static void print_line(const Row& row, Text text) {
     std::string line;
@@ -72,7 +63,7 @@ Row key_row(const experiment::Experiment& experiment, const experiment::FlightKe
   return {{"condition", condition.name},
           {"trial", key.trial},
           {"agent", key.agent},
-          {"qos_unit", condition.kind == experiment::WorldKind::measured ? "kbit/s" : "bit/s/Hz"}};
+          {"qos_unit", experiment::qos_unit(condition.kind)}};
 }
 
 void export_flights(const store::ResultStore& results, RowWriter& rows) {

@@ -1,35 +1,52 @@
 # One function per kind of target, so that every CMakeLists.txt below reads as a list of contents.
 
-# aloft_add_library(NAME SOURCES a.cpp ... [DEPS lib ...] [PRIVATE_DEPS lib ...] [TESTS a_test.cpp ...] [TEST_DEPS lib ...])
+# aloft_add_library(NAME SOURCES a.cpp ... [DEPS lib ...] [PRIVATE_DEPS lib ...] [TESTS a_test.cpp ...] [TEST_DEPS lib ...]
+#                   [TESTS_USE_THREADS])
 # makes the library aloft_NAME, and with TESTS the Catch2 program aloft_NAME_tests in the ctest tier "unit".
 function(aloft_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;PRIVATE_DEPS;TESTS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "TESTS_USE_THREADS" "" "SOURCES;DEPS;PRIVATE_DEPS;TESTS;TEST_DEPS" ${ARGN})
   add_library(aloft_${name} STATIC ${ARG_SOURCES})
   target_link_libraries(aloft_${name} PUBLIC ${ARG_DEPS} PRIVATE aloft_options ${ARG_PRIVATE_DEPS})
   target_include_directories(aloft_${name} PUBLIC "${CMAKE_SOURCE_DIR}")
   if(ARG_TESTS)
-    aloft_add_test(aloft_${name}_tests TIER unit SOURCES ${ARG_TESTS} DEPS aloft_${name} ${ARG_TEST_DEPS})
+    set(use_threads "")
+    if(ARG_TESTS_USE_THREADS)
+      set(use_threads USE_THREADS)
+    endif()
+    aloft_add_test(aloft_${name}_tests TIER unit ${use_threads} SOURCES ${ARG_TESTS} DEPS aloft_${name} ${ARG_TEST_DEPS})
   endif()
 endfunction()
 
-# aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s])
-# soak tests are built, but run only when their label is asked for by name.
+# aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s] [USE_THREADS])
+# soak tests are built, but run only when their label is asked for by name. Sanitized builds leave out statistics tests
+# (the same code as the unit tests, a hundred times longer), and under ThreadSanitizer also unit tests of one thread.
 function(aloft_add_test name)
-  cmake_parse_arguments(ARG "" "TIER;TIMEOUT" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "USE_THREADS" "TIER;TIMEOUT" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE aloft_options aloft_test_main ${ARG_DEPS})
   target_compile_definitions(${name} PRIVATE ALOFT_SOURCE_DIR="${CMAKE_SOURCE_DIR}" ALOFT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  if((ALOFT_SANITIZE AND ARG_TIER STREQUAL "statistics")
+     OR (ALOFT_SANITIZE STREQUAL "thread" AND ARG_TIER STREQUAL "unit" AND NOT ARG_USE_THREADS))
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
+  endif()
+  if(ALOFT_SANITIZE)
+    math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
   endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_TIER}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
     "ASAN_OPTIONS=new_delete_type_mismatch=0;TSAN_OPTIONS=ignore_noninstrumented_modules=1")
 endfunction()
 
-# aloft_add_benchmark(NAME SOURCES ... [DEPS lib ...])
+# aloft_add_benchmark(NAME SOURCES ... [DEPS lib ...]); sanitized builds leave benchmarks out.
 function(aloft_add_benchmark name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE aloft_options benchmark::benchmark benchmark::benchmark_main ${ARG_DEPS})
+  if(ALOFT_SANITIZE)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
 endfunction()

@@ -10,6 +10,7 @@ clang-format-16 --dry-run --Werror "${sources[@]}"
 [ "${1:-}" != --format-only ] || exit 0
 
 [ -f build/compile_commands.json ] || cmake --preset release
+cmake --build build --target aloft_wire aloft_proto >/dev/null  # generated headers
 mkdir -p build/lint
 export headers
 headers=$(cat .clang-tidy $(git ls-files '*.hpp' '*.h') | sha256sum)

@@ -24,6 +24,7 @@ namespace {
   std::vector<std::string> copies = arguments;
   copies[0] = std::string(ALOFT_BIN_DIR) + "/" + copies[0];
   std::vector<char*> argv;
+  argv.reserve(copies.size() + 1);
   for (std::string& argument : copies) argv.push_back(argument.data());
   argv.push_back(nullptr);
   execv(argv[0], argv.data());
@@ -65,6 +66,7 @@ bool Command::running() {
 }
 
 Finished Command::wait(std::chrono::seconds limit) {
+  limit *= slowdown;
   const auto deadline = std::chrono::steady_clock::now() + limit;
   while (running()) {
     if (std::chrono::steady_clock::now() > deadline) {

@@ -29,6 +29,15 @@ class ScratchDir {
   std::filesystem::path path_;
 };
 
+/// How many times longer a wait may last: programs are slower under a sanitizer.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr int slowdown = 10;
+#elif defined(__SANITIZE_ADDRESS__)
+inline constexpr int slowdown = 4;
+#else
+inline constexpr int slowdown = 1;
+#endif
+
 /// A program of build/bin started in the repository's root, in a process group of its own.
 class Command {
  public:
@@ -39,7 +48,7 @@ class Command {
 
   void send(int signal) const;
   [[nodiscard]] bool running();
-  /// Fails the test if the program has not ended by then; kills it first.
+  /// Fails the test if the program has not ended within `limit` (times the slowdown); kills it first.
   Finished wait(std::chrono::seconds limit = std::chrono::seconds(60));
   [[nodiscard]] int pid() const noexcept { return pid_; }
   /// What it has printed on standard error so far.

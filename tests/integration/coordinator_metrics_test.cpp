@@ -86,6 +86,7 @@ class Run {
 
 template <class Condition>
 void pump_until(std::vector<FakeWorker*> workers, const Condition& done, std::chrono::seconds limit = 20s) {
+  limit *= aloft::test::slowdown;
   const auto deadline = std::chrono::steady_clock::now() + limit;
   while (!done()) {
     if (std::chrono::steady_clock::now() > deadline) FAIL("not done after " << limit.count() << " s");

@@ -53,6 +53,12 @@ struct Scene {
     CHECK(finished.exit_code == 0);
     return digest_of(name);
   }
+  /// Until the first results are there.
+  void wait_for_flights(const std::string& name, Command& run) const {
+    const std::string of_nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855\n";
+    for (std::string digest; run.running() && (digest.empty() || digest == of_nothing); digest = digest_of(name))
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
   [[nodiscard]] std::string digest_of(const std::string& name) const {
     return run_command({"aloft", "digest", out(name)}).out;
   }
@@ -86,11 +92,58 @@ TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resum
   const auto stopped = std::chrono::steady_clock::now();
   interrupted.send(SIGINT);
   const Finished finished = interrupted.wait(std::chrono::seconds(10));
-  CHECK(std::chrono::steady_clock::now() - stopped < std::chrono::seconds(5));
+  CHECK(std::chrono::steady_clock::now() - stopped < std::chrono::seconds(5) * aloft::test::slowdown);
   CHECK((finished.exit_code == 130 || finished.exit_code == 0));
   CHECK(aloft::test::processes_with(scene.out("resumed")).empty());
   CHECK(shared_memory_files() == shared_memory);
   CHECK(scene.digest("resumed", {"--workers", "2"}) == reference);
+}
+
+TEST_CASE("what an agent remembers from trial to trial is the same in process, on workers, and through kills") {
+  const Scene scene;
+  // Two agents with chains of their own; the trials wait for each other as both need it.
+  const auto experiment = [](const std::string& memory) {
+    return R"({"name": "remembering", "seed": 3, "trials": 6,
+      "world": {"kind": "generated", "bs_density_per_km2": [1, 5], "steps": 25},
+      "agents": ["min-height", "planner",
+        {"type": "dqn", "name": "one", "epochs": 4, "hidden_width": 16, "memory": ")" +
+           memory + R"("},
+        {"type": "dqn", "name": "two", "epochs": 4, "loss": "cross-entropy", "target_network": false, "lineages": 2,
+         "memory": ")" +
+           memory + R"("}]})";
+  };
+  write_text(scene.experiment, experiment("per-flight"));
+  const std::string forgetful = scene.digest("forgetful", {"--in-process"});
+  write_text(scene.experiment, experiment("lifelong"));
+  const std::string reference = scene.digest("in-process", {"--in-process", "--workers", "1"});
+  CHECK(reference != forgetful);
+  CHECK(scene.digest("in-process-2", {"--in-process", "--workers", "2"}) == reference);
+  CHECK(scene.digest("one", {"--workers", "1"}) == reference);
+  CHECK(scene.digest("two-shuffled", {"--workers", "2", "--shuffled"}) == reference);
+
+  SECTION("interrupted, and resumed in process") {
+    Command interrupted(scene.command("resumed", {"--workers", "2"}));
+    scene.wait_for_flights("resumed", interrupted);
+    interrupted.send(SIGINT);
+    const Finished finished = interrupted.wait(std::chrono::seconds(10));
+    CHECK((finished.exit_code == 130 || finished.exit_code == 0));
+    CHECK(scene.digest("resumed", {"--in-process", "--workers", "2"}) == reference);
+  }
+  SECTION("every process killed once") {
+    Command killed(scene.command("killed", {"--workers", "2"}));
+    scene.wait_for_flights("killed", killed);
+    for (const char* program : {"aloft-metrics", "aloft-learning-agent", "aloft-channel", "aloft-coordinator"}) {
+      for (const int pid : aloft::test::processes_with(scene.out("killed")))
+        if (const std::string command = read_text("/proc/" + std::to_string(pid) + "/cmdline");
+            command.find(program) != std::string::npos)
+          kill(pid, SIGKILL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    const Finished finished = killed.wait(std::chrono::seconds(120));
+    INFO(finished.err);
+    CHECK(finished.exit_code == 0);
+    CHECK(scene.digest_of("killed") == reference);
+  }
 }
 
 TEST_CASE("a finished run leaves summary, table, logs and the resolved experiment; running it again only reports") {

@@ -115,10 +115,10 @@ class Scene {
     assignments_.write(message);
   }
 
-  /// Listens until `done`; false after 60 s.
+  /// Listens until `done`; false after 60 s (times the slowdown).
   template <class Done>
   bool listen_until(Done done) {
-    const auto deadline = std::chrono::steady_clock::now() + 60s;
+    const auto deadline = std::chrono::steady_clock::now() + 60s * aloft::test::slowdown;
     while (!done()) {
       if (std::chrono::steady_clock::now() > deadline) return false;
       waiter_.wait(50ms);

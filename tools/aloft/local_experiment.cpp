@@ -45,7 +45,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
-    const LocalRun local{dir, options.workers, options.fail_fast, options.shuffled, options.domain};
+    const LocalRun local{dir, options.workers, options.fail_fast, options.shuffled, options.domain, options.run};
     complete = run_local(local, experiment, progress, interrupted, failures);
   }
   progress.finish();
@@ -64,6 +64,7 @@ void FlyingOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");
   command.add_flag("--shuffled", shuffled, "Hand out the trials in a shuffled order: the same bytes");
+  command.add_option("--run", run, "Name of the run on the bus, for external agents that join it [one of its own]");
   command.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
 }
 

@@ -15,6 +15,7 @@ struct FlyingOptions {
   bool in_process = false;
   bool shuffled = false;
   int domain = 0;
+  std::string run;
 
   FlyingOptions();  ///< a worker per core
   void add_to(CLI::App& command);

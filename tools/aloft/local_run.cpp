@@ -137,8 +137,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures) {
-  // Runs of the same experiment on one machine must not hear each other.
-  const std::string run_name = fmt::format("{}.{}", experiment.id, getpid());
+  const std::string run_name = run.name.empty() ? fmt::format("{}.{}", experiment.id, getpid()) : run.name;
   bus::BusOptions options;
   options.run = run_name;
   options.process = "aloft";

@@ -17,6 +17,8 @@ struct LocalRun {
   unsigned fail_fast = 0;
   bool shuffled = false;
   int domain = 0;
+  std::string
+      name;  ///< of the run on the bus; empty: one of its own, so that runs on one machine do not hear each other
 };
 
 /// Starts metrics, coordinator and workers, restarts what dies, shows progress, and ends them all. Returns true if

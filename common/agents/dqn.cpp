@@ -35,6 +35,16 @@ learn::NetworkShape network_shape(const Parameters& parameters, std::size_t inpu
   return learn::dqn_shape(inputs, count_of(parameters, "hidden_width"), count_of(parameters, "hidden_layers"));
 }
 
+/// At most what Dqn::save_state gives: weights and two moments per network, and the replay memory.
+std::size_t memory_bytes(const Parameters& parameters) {
+  const std::size_t neighbours = count_of(parameters, "neighbours");
+  const std::size_t inputs = neighbours + 2 + count_of(parameters, "history") * (neighbours + 4);
+  const std::size_t networks = parameters.flag("target_network") ? 2 : 1;
+  const std::size_t replay = count_of(parameters, "replay_capacity") * (2 * inputs + 6);
+  constexpr std::size_t other_bytes = 8192;
+  return (networks * 3 * network_shape(parameters, inputs).parameters() + replay) * sizeof(float) + other_bytes;
+}
+
 }  // namespace
 
 std::span<const ParameterSpec> dqn_parameters() {
@@ -87,6 +97,11 @@ Dqn::Dqn(const Parameters& parameters)
   if (parameters.integer("hidden_width") % 8 != 0)
     throw InputError(fmt::format("agent dqn: hidden_width {} is not allowed; use a multiple of 8 from 8 to 1024",
                                  parameters.integer("hidden_width")));
+  if (lifelong_ && memory_bytes(parameters) > max_memory_bytes)
+    throw InputError(
+        fmt::format("agent dqn: memory 'lifelong' would carry {} bytes from flight to flight, at most {} are possible; "
+                    "make hidden_width, hidden_layers or replay_capacity smaller",
+                    memory_bytes(parameters), max_memory_bytes));
 }
 
 void Dqn::begin(const FlightInfo& flight) {
@@ -214,6 +229,11 @@ namespace {
     .name_parameter = "",
     .parameters = {dqn_parameters().begin(), dqn_parameters().end()},
     .make = [](const Parameters& parameters) { return std::make_unique<Dqn>(parameters); },
+    .lineages =
+        [](const Parameters& parameters) {
+          return parameters.text("memory") == "lifelong" ? static_cast<std::uint32_t>(parameters.integer("lineages"))
+                                                         : 0U;
+        },
 });
 
 }  // namespace

@@ -149,6 +149,16 @@ std::unique_ptr<Agent> AgentSpec::make() const {
   return agent_type(type).make(parameters);
 }
 
+std::uint32_t AgentSpec::lineages() const {
+  const AgentType& facts = agent_type(type);
+  return facts.lineages ? facts.lineages(parameters) : 0;
+}
+
+std::optional<std::uint32_t> AgentSpec::remembered_trial(std::uint32_t trial) const {
+  const std::uint32_t chains = lineages();
+  return chains > 0 && trial >= chains ? std::optional(trial - chains) : std::nullopt;
+}
+
 std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
   Json object = entry.is_string() ? expand_short_form(entry.get<std::string>(), where) : entry;
   if (!object.is_object() || !object.contains("type"))

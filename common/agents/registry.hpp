@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,9 @@
 #include "common/base/parameters.hpp"
 
 namespace aloft::agents {
+
+/// The largest Agent::save_state that can be carried from flight to flight, by databases and on the bus.
+inline constexpr std::size_t max_memory_bytes = 16U << 20U;
 
 /// How far an agent sees beyond what a real UAV reports.
 enum class Privilege : std::uint8_t { none, next_step, whole_route };
@@ -26,6 +30,8 @@ struct AgentType {
   std::string name_parameter{};  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
   std::vector<ParameterSpec> parameters{};
   std::function<std::unique_ptr<Agent>(const Parameters&)> make{};
+  /// For types that may remember earlier flights: see AgentSpec::lineages. Unset: every flight starts afresh.
+  std::function<std::uint32_t(const Parameters&)> lineages{};
 };
 
 /// Called once per agent file, at namespace scope: `const bool registered = register_agent({...});`
@@ -43,6 +49,11 @@ struct AgentSpec {
   Parameters parameters;
 
   [[nodiscard]] std::unique_ptr<Agent> make() const;
+  /// 0: every flight starts afresh. k: the agent that flies trial t starts with the memory (Agent::save_state) with
+  /// which it ended trial t - k of the same condition: k independent chains of flights.
+  [[nodiscard]] std::uint32_t lineages() const;
+  /// The trial whose memory the agent starts with; none if it starts afresh.
+  [[nodiscard]] std::optional<std::uint32_t> remembered_trial(std::uint32_t trial) const;
 };
 
 /// From an experiment file's entry: "min-height", "constant-120", {"type": "dqn", "loss": "cross-entropy", "name":

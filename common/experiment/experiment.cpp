@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
@@ -208,6 +209,12 @@ Experiment load(const std::filesystem::path& file, const Overrides& overrides) {
 
 Experiment parse(std::string_view json, std::string_view where, const Overrides& overrides) {
   return parse_with(json, where, overrides, {{}, false});
+}
+
+std::uint32_t trial_lineages(const Experiment& experiment) {
+  std::uint32_t lineages = 0;
+  for (const agents::AgentSpec& spec : experiment.agents) lineages = std::gcd(lineages, spec.lineages());
+  return lineages;
 }
 
 std::uint64_t episode_id(const Experiment& experiment, const FlightKey& key) {

@@ -63,6 +63,11 @@ struct Overrides {
 /// The same from a JSON text (a canonical form that came over the wire or out of a result folder).
 [[nodiscard]] Experiment parse(std::string_view json, std::string_view where, const Overrides& overrides = {});
 
+/// 0: the trials of a condition are independent. k: trial t may only be flown when trial t - k is stored, because some
+/// agents start with what they remember of an earlier trial (agents::AgentSpec::lineages). With several such agents,
+/// the greatest common divisor serves them all.
+[[nodiscard]] std::uint32_t trial_lineages(const Experiment& experiment);
+
 /// Two ids of one flight.
 struct FlightKey {
   std::uint32_t condition = 0;

@@ -47,6 +47,19 @@ CREATE TABLE trace (
 ) STRICT;
 )";
 
+// What agents that remember earlier flights ended the latest flight of each lineage with. Not part of any result.
+constexpr const char* memory_schema = R"(
+CREATE TABLE IF NOT EXISTS memory (
+  condition INTEGER NOT NULL,
+  agent TEXT NOT NULL,
+  lineage INTEGER NOT NULL,
+  trial INTEGER NOT NULL,
+  digest TEXT NOT NULL,
+  bytes BLOB NOT NULL,
+  PRIMARY KEY (condition, agent, lineage)
+) STRICT;
+)";
+
 int pragma(SQLite::Database& database, const char* name) {
   return database.execAndGet(fmt::format("PRAGMA {}", name)).getInt();
 }
@@ -60,6 +73,7 @@ bool disk_is_full(const std::filesystem::path& file) {
 void create_schema(SQLite::Database& database) {
   SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
   database.exec(schema);
+  database.exec(memory_schema);
   database.exec(fmt::format("PRAGMA application_id = {}", application_id));
   database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
   transaction.commit();
@@ -100,6 +114,7 @@ std::unique_ptr<SQLite::Database> open_for_writing(const std::filesystem::path& 
   check_identity(*database, file);
   check_structure(*database, file);
   set_up_writing(*database);
+  database->exec(memory_schema);  // older databases have none
   return database;
 }
 

@@ -90,12 +90,17 @@ struct ResultStore::State {
   std::unique_ptr<SQLite::Statement> find_digest;
   std::unique_ptr<SQLite::Statement> insert_flight;
   std::unique_ptr<SQLite::Statement> insert_trace;
+  std::unique_ptr<SQLite::Statement> keep_memory;
 
   void prepare() {
     find_digest = std::make_unique<SQLite::Statement>(*database, "SELECT digest FROM flight WHERE id = ?");
     insert_flight =
         std::make_unique<SQLite::Statement>(*database, "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
     insert_trace = std::make_unique<SQLite::Statement>(*database, "INSERT INTO trace VALUES (?, ?)");
+    keep_memory = std::make_unique<SQLite::Statement>(
+        *database,
+        "INSERT INTO memory VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO UPDATE SET trial = excluded.trial, "
+        "digest = excluded.digest, bytes = excluded.bytes WHERE excluded.trial > memory.trial");
   }
 
   /// The canonical experiment in the database; empty if there is none yet.
@@ -117,14 +122,20 @@ struct ResultStore::State {
     insert.exec();
   }
 
-  Stored add(const FlightKey& key, std::string_view trace);
+  Stored add(const FlightKey& key, std::string_view trace, std::string_view memory);
+  void store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const;
   [[nodiscard]] FlightSummary summary_at(SQLite::Statement& row) const;
   template <typename Visit>
   void for_each_flight(Visit&& visit) const;
 };
 
-Stored ResultStore::State::add(const FlightKey& key, std::string_view trace) {
+Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std::string_view memory) {
   const std::int64_t id = row_id(experiment, key);
+  const std::uint32_t lineages = experiment.agent(key.agent).lineages();
+  if ((lineages > 0) == memory.empty())
+    throw IntegrityError(
+        fmt::format("condition {}, trial {}, agent '{}': {}", key.condition, key.trial, key.agent,
+                    memory.empty() ? "its memory for the next flight is missing" : "this agent has no memory to keep"));
   const std::string digest = sha256_hex(trace);
   find_digest->reset();
   find_digest->bind(1, id);
@@ -158,7 +169,21 @@ Stored ResultStore::State::add(const FlightKey& key, std::string_view trace) {
   insert_trace->bind(1, id);
   insert_trace->bindNoCopy(2, trace.data(), static_cast<int>(trace.size()));
   insert_trace->exec();
+  if (lineages > 0) store_memory(key, lineages, memory);
   return Stored::added;
+}
+
+void ResultStore::State::store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const {
+  SQLite::Statement& row = *keep_memory;
+  row.reset();
+  row.bind(1, key.condition);
+  row.bind(2, key.agent);
+  row.bind(3, key.trial % lineages);
+  row.bind(4, key.trial);
+  row.bind(5, sha256_hex(memory));
+  row.bindNoCopy(6, memory.data(), static_cast<int>(memory.size()));
+  row.exec();
+  row.reset();
 }
 
 FlightSummary ResultStore::State::summary_at(SQLite::Statement& row) const {
@@ -222,10 +247,10 @@ const Experiment& ResultStore::experiment() const noexcept {
   return state_->experiment;
 }
 
-Stored ResultStore::add(const FlightKey& key, std::string_view encoded_trace) {
-  if (state_->batch_open) return with_errors_of(state_->file, [&] { return state_->add(key, encoded_trace); });
+Stored ResultStore::add(const FlightKey& key, std::string_view encoded_trace, std::string_view memory) {
+  if (state_->batch_open) return with_errors_of(state_->file, [&] { return state_->add(key, encoded_trace, memory); });
   Stored stored{};
-  batch([&] { stored = add(key, encoded_trace); });
+  batch([&] { stored = add(key, encoded_trace, memory); });
   return stored;
 }
 
@@ -269,6 +294,26 @@ std::string ResultStore::trace(const FlightKey& key) const {
     std::string bytes = query.getColumn(9).getString();
     if (sha256_hex(bytes) != flight.digest)
       refuse_damaged(state_->file, fmt::format("row {} of table trace was altered", id));
+    return bytes;
+  });
+}
+
+std::optional<std::string> ResultStore::memory(const FlightKey& key) const {
+  const std::uint32_t lineages = state_->experiment.agent(key.agent).lineages();
+  if (lineages == 0) return std::nullopt;
+  return with_errors_of(state_->file, [&]() -> std::optional<std::string> {
+    SQLite::Statement query(*state_->database,
+                            "SELECT bytes, digest FROM memory WHERE condition = ? AND agent = ? AND lineage = ? AND "
+                            "trial = ?");
+    query.bind(1, key.condition);
+    query.bind(2, key.agent);
+    query.bind(3, key.trial % lineages);
+    query.bind(4, key.trial);
+    if (!query.executeStep()) return std::nullopt;
+    std::string bytes = query.getColumn(0).getString();
+    if (sha256_hex(bytes) != query.getColumn(1).getString())
+      refuse_damaged(state_->file,
+                     fmt::format("the memory of agent '{}' after trial {} was altered", key.agent, key.trial));
     return bytes;
   });
 }

@@ -57,9 +57,11 @@ class ResultStore {
   [[nodiscard]] const experiment::Experiment& experiment() const noexcept;
 
   /// Storing is idempotent; a second record of the same flight with another digest throws IntegrityError, as
-  /// does a trace that cannot be decoded or has no steps. Durable (kill -9, power loss) once it returns, unless a batch
-  /// is open. Throws StoreFull if the disk is full. One thread at a time.
-  Stored add(const experiment::FlightKey& key, std::string_view encoded_trace);
+  /// does a trace that cannot be decoded or has no steps. `memory` (Agent::save_state after the flight) must be given
+  /// for agents that remember earlier flights and for no others (IntegrityError); it is stored together with the
+  /// flight. Durable (kill -9, power loss) once it returns, unless a batch is open. Throws StoreFull if the disk is
+  /// full. One thread at a time.
+  Stored add(const experiment::FlightKey& key, std::string_view encoded_trace, std::string_view memory = {});
   /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested.
   void batch(const std::function<void()>& work);
 
@@ -69,6 +71,10 @@ class ResultStore {
   [[nodiscard]] std::vector<FlightSummary> flights() const;
   /// The encoded trace; throws IntegrityError if its digest does not match, InputError if this flight is not stored.
   [[nodiscard]] std::string trace(const experiment::FlightKey& key) const;
+
+  /// What the agent remembered after this flight; none if it is not the latest stored flight of its lineage. Throws
+  /// IntegrityError if the digest does not match.
+  [[nodiscard]] std::optional<std::string> memory(const experiment::FlightKey& key) const;
 
   /// One SHA-256 over all flights in canonical order.
   [[nodiscard]] std::string digest() const;

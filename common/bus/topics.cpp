@@ -17,11 +17,14 @@ template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept  
 template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       Scope::run,        true,  1,    1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   Scope::run,        false, 512,  1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   Scope::run,        false, 4096, 1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   Scope::run,        false, 1024, 1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    Scope::run,        false, 64,   1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", Scope::run,        true,  1,    1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           Scope::worker,     false, 64,   1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   Scope::worker,     false, 8,    max_streams, false}; return row; }
 template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   Scope::worker,     false, 8,    max_streams, true};  return row; }
 template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     Scope::worker,     true,  1,    max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    Scope::worker,     false, 64,   1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   Scope::privileged, false, 16384, max_streams, false}; return row; }
 // clang-format on
 

@@ -12,6 +12,7 @@ constexpr std::size_t max_agents = 64;
 constexpr std::size_t max_leases = 64;
 constexpr std::size_t max_experiment_bytes = 1048576;
 constexpr std::size_t max_trace_bytes = 4194304;
+constexpr std::size_t max_memory_bytes = 16777216;
 constexpr std::size_t max_base_stations = 131072;
 constexpr std::size_t max_cells = 1048576;
 constexpr std::size_t max_neighbours = 5;
@@ -76,6 +77,11 @@ const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
   return nullptr;
 }
 
+const char* memory_error(const std::vector<std::uint8_t>& memory) noexcept {
+  if (memory.empty()) return "memory is empty";
+  return memory.size() > max_memory_bytes ? "memory too long" : nullptr;
+}
+
 const char* limits_error(const wire::ChannelReport& report) noexcept {
   if (!up_to(report.qos_kind(), wire::QOS_THROUGHPUT)) return "unknown qos_kind";
   if (!height(report.height_min_m())) return "height_min_m out of range";
@@ -117,7 +123,20 @@ const char* validate(const wire::RunStatus& sample) noexcept {
 const char* validate(const wire::EpisodeRecord& sample) noexcept {
   if (sample.trace().empty()) return "trace is empty";
   if (sample.trace().size() > max_trace_bytes) return "trace too long";
+  if (sample.agent_memory().size() > max_memory_bytes) return "agent_memory too long";
   return nullptr;
+}
+
+const char* validate(const wire::FlightMemory& sample) noexcept {
+  return memory_error(sample.memory());
+}
+
+const char* validate(const wire::MemoryRequest& sample) noexcept {
+  return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
+}
+
+const char* validate(const wire::StoredMemory& sample) noexcept {
+  return memory_error(sample.memory());
 }
 
 const char* validate(const wire::EpisodeStored& sample) noexcept {

@@ -54,6 +54,15 @@ class LivelinessTimer {
   std::thread thread_;
 };
 
+/// For agents that remember earlier flights.
+struct Memories {
+  explicit Memories(const bus::Participant& participant)
+      : requests(participant), stored(participant), handed_over(participant) {}
+  bus::Writer<wire::MemoryRequest> requests;
+  bus::Reader<wire::StoredMemory> stored;
+  bus::Writer<wire::FlightMemory> handed_over;
+};
+
 }  // namespace
 
 struct AgentHost::State {
@@ -71,6 +80,7 @@ struct AgentHost::State {
       waiter.wait(std::max(left, std::chrono::milliseconds(0)));
       controls.drain([this](const wire::RunControl& control) { on_control(control); });
       if (profiles) profiles->drain([this](const wire::HeightProfile& profile) { on_profile(profile); });
+      if (memories) memories->stored.drain([this](const wire::StoredMemory& memory) { on_memory(memory); });
       reports.drain([this](const wire::ChannelReport& report) { on_report(report); });
       finish_thoughts();
       if (Clock::now() < next_status) continue;
@@ -101,13 +111,37 @@ struct AgentHost::State {
     served.push_back(&spec);
     spdlog::info("serves agent {}", spec.name);
     // Only a process that serves a privileged agent joins the partition where the future is told.
-    if (type.privilege == agents::Privilege::none || profiles) return;
-    profiles.emplace(participant);
-    waiter.add(*profiles);
+    if (type.privilege != agents::Privilege::none && !profiles) {
+      profiles.emplace(participant);
+      waiter.add(*profiles);
+    }
+    if (spec.lineages() > 0) {
+      if (!memories) waiter.add(memories.emplace(participant).stored);
+      memories->stored.expect_experiment(experiment->id);
+    }
   }
 
   void on_report(const wire::ChannelReport& report) {
-    if (Pilot* pilot = pilot_of(report)) go_on(*pilot, pilot->offer(report));
+    Pilot* pilot = pilot_of(report);
+    if (pilot == nullptr) return;
+    go_on(*pilot, pilot->offer(report));
+    ask_for_memory(*pilot);
+  }
+
+  void on_memory(const wire::StoredMemory& memory) {
+    for (const auto& [stream, pilot] : pilots)
+      if (memory.agent() == pilot->spec().name && pilot->remember(memory)) resume(*pilot);
+  }
+
+  /// Asked again with every repetition of the report that waits for it.
+  void ask_for_memory(const Pilot& pilot) {
+    if (pilot.thinking() || !pilot.wanted_memory()) return;
+    wire::MemoryRequest request;
+    request.experiment_id(wire::experiment_id(experiment->id));
+    request.condition(pilot.wanted_memory()->condition);
+    request.trial(pilot.wanted_memory()->trial);
+    request.agent(wire::name(pilot.spec().name));
+    memories->requests.write(request);
   }
 
   void on_profile(const wire::HeightProfile& profile) {
@@ -146,14 +180,13 @@ struct AgentHost::State {
   void resume(Pilot& pilot) {
     while (!pilot.thinking()) {
       const Verdict verdict = pilot.resume();
-      if (verdict == Verdict::nothing) return;
+      if (verdict == Verdict::nothing) return ask_for_memory(pilot);
       go_on(pilot, verdict);
     }
   }
 
   void go_on(Pilot& pilot, Verdict verdict) {
-    if (verdict == Verdict::answer) commands.write(pilot.answer());
-    if (verdict != Verdict::think) return;
+    if (verdict != Verdict::think) return send(pilot, verdict);
     if (!pool) {
       pilot.task().run();
       finish(pilot);
@@ -169,6 +202,11 @@ struct AgentHost::State {
     });
   }
 
+  void send(Pilot& pilot, Verdict verdict) {
+    if (verdict == Verdict::answer) commands.write(pilot.answer());
+    if (verdict == Verdict::hand_over) memories->handed_over.write(pilot.memory());
+  }
+
   /// Height commands are written here and nowhere else: by the loop.
   void finish_thoughts() {
     std::vector<Pilot*> done;
@@ -182,7 +220,7 @@ struct AgentHost::State {
   void finish(Pilot& pilot) {
     if (!pilot.task().error.empty())
       spdlog::error("agent {}: {}; asks for the flight to start again", pilot.spec().name, pilot.task().error);
-    if (pilot.finish() == Verdict::answer) commands.write(pilot.answer());
+    send(pilot, pilot.finish());
     resume(pilot);
   }
 
@@ -214,6 +252,7 @@ struct AgentHost::State {
   bus::Reader<wire::RunControl> controls{participant};
   bus::Reader<wire::ChannelReport> reports{participant};
   std::optional<bus::Reader<wire::HeightProfile>> profiles;
+  std::optional<Memories> memories;
   bus::Waiter waiter{stop};
   LivelinessTimer liveliness{commands};
 

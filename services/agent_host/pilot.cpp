@@ -20,11 +20,16 @@ bool older(std::uint32_t a, std::uint32_t b) noexcept {
 void Task::run() noexcept try {
   if (begins) {
     agent = spec->make();
+    if (!memory.empty()) agent->restore_state(memory);
+    memory.clear();
     agent->begin(*begins);
   }
   for (const agents::HeightProfile& profile : profiles) agent->foresee(profile);
   agent->observe(observation);
-  if (!observation.last) command = agent->act();
+  if (!observation.last)
+    command = agent->act();
+  else if (spec->lineages() > 0)
+    memory = agent->save_state();
 } catch (const std::exception& failure) {
   error = failure.what();
 } catch (...) {
@@ -35,6 +40,8 @@ Pilot::Pilot(const agents::AgentSpec& spec, std::uint32_t stream) : spec_(spec),
   task_.spec = &spec;
   answer_.stream(stream);
   answer_.agent(wire::name(spec.name));
+  handed_over_.stream(stream);
+  handed_over_.agent(wire::name(spec.name));
 }
 
 Pilot::Verdict Pilot::offer(const wire::ChannelReport& report) {
@@ -44,11 +51,11 @@ Pilot::Verdict Pilot::offer(const wire::ChannelReport& report) {
     if (!same) keep(report);
     return Verdict::nothing;
   }
-  if (same && report.step() < expected_)
-    return answered_ && report.step() + 1 == expected_ ? Verdict::answer : Verdict::nothing;
+  if (same && report.step() < expected_) return repeat(report);
   const bool begins = !same && report.step() == 0;
   if (!begins && (!same || report.step() > expected_)) return unknown(report);
-  if (!profiles_complete(report)) {
+  const bool remembers = !begins || memory_complete(report);
+  if (!remembers || !profiles_complete(report)) {
     keep(report);
     return Verdict::nothing;
   }
@@ -88,6 +95,33 @@ bool Pilot::profiles_complete(const wire::ChannelReport& report) const {
   return whole_route ? profiles_.size() == report.steps() : profiles_.contains(report.step() + 1);
 }
 
+bool Pilot::remember(const wire::StoredMemory& message) {
+  if (!wanted_ || thinking_ || *wanted_ != EarlierFlight{message.condition(), message.trial()}) return false;
+  recalled_ = wanted_;
+  memory_ = wire::view(message.memory());
+  return true;
+}
+
+bool Pilot::memory_complete(const wire::ChannelReport& report) {
+  wanted_.reset();
+  const auto trial = spec_.remembered_trial(report.trial());
+  if (!trial) {
+    recalled_.reset();
+    memory_.clear();
+    return true;
+  }
+  const EarlierFlight earlier{report.condition(), *trial};
+  if (recalled_ == earlier) return true;
+  wanted_ = earlier;
+  return false;
+}
+
+Pilot::Verdict Pilot::repeat(const wire::ChannelReport& report) const {
+  if (report.step() + 1 != expected_) return Verdict::nothing;
+  if (answered_) return Verdict::answer;
+  return report.last() && !handed_over_.memory().empty() ? Verdict::hand_over : Verdict::nothing;
+}
+
 Pilot::Verdict Pilot::think(const wire::ChannelReport& report, bool begins) {
   episode_ = report.episode_id();
   attempt_ = report.attempt();
@@ -98,7 +132,12 @@ Pilot::Verdict Pilot::think(const wire::ChannelReport& report, bool begins) {
   thinking_ = true;
   address(report);
   task_.begins.reset();
-  if (begins) task_.begins = bus::flight_info(report);
+  if (begins) {
+    task_.begins = bus::flight_info(report);
+    task_.memory = std::exchange(memory_, {});
+    recalled_.reset();
+    handed_over_.memory().clear();
+  }
   task_.profiles.clear();
   for (auto& [step, profile] : profiles_)
     if (profiles_attempt_ == attempt_ && type_.privilege != agents::Privilege::none && !report.last())
@@ -119,7 +158,11 @@ Pilot::Verdict Pilot::finish() {
   }
   if (!task_.command) {
     ++flights_;
-    return Verdict::nothing;
+    if (task_.memory.empty()) return Verdict::nothing;
+    handed_over_.episode_id(episode_);
+    handed_over_.attempt(attempt_);
+    handed_over_.memory(wire::bytes(std::exchange(task_.memory, {})));
+    return Verdict::hand_over;
   }
   bus::put(answer_, *task_.command);
   answered_ = true;
@@ -127,7 +170,7 @@ Pilot::Verdict Pilot::finish() {
 }
 
 Pilot::Verdict Pilot::unknown(const wire::ChannelReport& report) {
-  if (report.last()) return Verdict::nothing;
+  if (report.last() && spec_.lineages() == 0) return Verdict::nothing;
   known_ = flying_ = answered_ = false;
   address(report);
   bus::put(answer_, agents::Command{});

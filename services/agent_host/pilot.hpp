@@ -15,7 +15,9 @@ namespace aloft::agent_host {
 /// What an agent has to think about next. Self-contained, so that it may run in another thread.
 struct Task {
   const agents::AgentSpec* spec = nullptr;
-  std::unique_ptr<agents::Agent> agent;      ///< made by run() if a flight begins
+  std::unique_ptr<agents::Agent> agent;  ///< made by run() if a flight begins
+  std::string
+      memory;  ///< before a flight: of an earlier one, if any; after it: what the agent will remember, if it does
   std::optional<agents::FlightInfo> begins;  ///< set: a new flight
   std::vector<agents::HeightProfile> profiles;
   agents::Observation observation;
@@ -33,23 +35,36 @@ class Pilot {
   Pilot(const agents::AgentSpec& spec, std::uint32_t stream);
 
   enum class Verdict : std::uint8_t {
-    nothing,  ///< stale, a repetition of what is being thought about, or a profile is still missing
-    answer,   ///< send answer()
-    think,    ///< run task(), then call finish()
+    nothing,    ///< stale, a repetition of what is being thought about, or a profile is still missing
+    answer,     ///< send answer()
+    think,      ///< run task(), then call finish()
+    hand_over,  ///< send memory(): the flight is over, and the agent will need it later
+  };
+  /// Of the pilot's agent.
+  struct EarlierFlight {
+    std::uint32_t condition = 0;
+    std::uint32_t trial = 0;
+    bool operator==(const EarlierFlight&) const = default;
   };
 
-  /// A report for this agent. While a task runs, and while a profile is missing, reports are kept for resume().
+  /// A report for this agent. While a task runs, and while a profile or a memory is missing, reports are kept for
+  /// resume().
   Verdict offer(const wire::ChannelReport& report);
   /// The reports that were kept, one per call; `nothing` when no more can be handled now.
   Verdict resume();
   /// A profile, before or after the report that needs it; then call resume().
   void foresee(const wire::HeightProfile& profile);
+  /// The flight whose memory the next flight begins with: to be asked for whenever a report or resume() led to nothing.
+  [[nodiscard]] const std::optional<EarlierFlight>& wanted_memory() const noexcept { return wanted_; }
+  /// True if that memory was wanted; then call resume().
+  bool remember(const wire::StoredMemory& message);
 
   [[nodiscard]] Task& task() noexcept { return task_; }
-  /// The task has run. Answer: send answer(); nothing: the flight is over.
+  /// The task has run. Answer: send answer(); nothing, hand_over: the flight is over.
   Verdict finish();
 
   [[nodiscard]] wire::HeightCommand& answer() noexcept { return answer_; }
+  [[nodiscard]] wire::FlightMemory& memory() noexcept { return handed_over_; }
   [[nodiscard]] bool thinking() const noexcept { return thinking_; }
   [[nodiscard]] bool flying() const noexcept { return flying_; }
   /// Flights seen to their end.
@@ -58,6 +73,8 @@ class Pilot {
 
  private:
   [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
+  bool memory_complete(const wire::ChannelReport& report);
+  [[nodiscard]] Verdict repeat(const wire::ChannelReport& report) const;
   Verdict think(const wire::ChannelReport& report, bool begins);
   Verdict unknown(const wire::ChannelReport& report);
   void keep(const wire::ChannelReport& report);
@@ -67,6 +84,10 @@ class Pilot {
   const agents::AgentType& type_;
   Task task_;
   wire::HeightCommand answer_;
+  wire::FlightMemory handed_over_;         // after the latest flight, if it is over
+  std::optional<EarlierFlight> wanted_;    // whose memory is missing
+  std::optional<EarlierFlight> recalled_;  // whose memory is memory_
+  std::string memory_;
   std::vector<wire::ChannelReport> kept_;
   std::map<std::uint32_t, agents::HeightProfile> profiles_;  // of attempt profiles_attempt_
   std::uint32_t profiles_attempt_ = 0;

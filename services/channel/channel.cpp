@@ -56,6 +56,7 @@ struct Channel::State {
     waiter.add(controls);
     waiter.add(worlds);
     waiter.add(commands);
+    waiter.add(memories);
     waiter.add(agent_statuses);
     waiter.add(stored);
   }
@@ -70,6 +71,7 @@ struct Channel::State {
       controls.drain([this](const wire::RunControl& control) { on_control(control); });
       if (!experiment) continue;
       commands.drain([this](const wire::HeightCommand& command) { on_command(command); });
+      memories.drain([this](const wire::FlightMemory& memory) { on_memory(memory); });
       stored.drain([this](const wire::EpisodeStored& message) { on_stored(message); });
       worlds.drain([this](const wire::World& world) { on_world(world); });
       agent_statuses.drain([this](const wire::AgentStatus& status) { on_agent(status); });
@@ -170,6 +172,12 @@ struct Channel::State {
     }
   }
 
+  void on_memory(const wire::FlightMemory& memory) {
+    if (memory.stream() >= episodes.size() || !episodes[memory.stream()]) return;
+    Episode& episode = *episodes[memory.stream()];
+    if (episode.accept(memory) == Episode::Outcome::finished) land(episode);
+  }
+
   void on_stored(const wire::EpisodeStored& message) {
     Trial* trial = trials.find(outbox.confirm(message.episode_id()));
     if (trial == nullptr) return;
@@ -246,6 +254,7 @@ struct Channel::State {
     record.worker(wire::name(participant.options().worker));
     record.lease_id(trial.lease_id);
     record.trace(wire::bytes(store::encode_trace(episode.flight().record())));
+    record.agent_memory(episode.agent_memory());
     outbox.add(std::move(record), now);
     outbox.send_due(now, [this](wire::EpisodeRecord& due) { records.write(due); });
     lost_histories.erase(address.episode_id);
@@ -371,6 +380,7 @@ struct Channel::State {
   bus::Reader<wire::RunControl> controls{participant};
   bus::Reader<wire::World> worlds{participant};
   bus::Reader<wire::HeightCommand> commands{participant};
+  bus::Reader<wire::FlightMemory> memories{participant};
   bus::Reader<wire::AgentStatus> agent_statuses{participant};
   bus::Reader<wire::EpisodeStored> stored{participant};
   bus::Writer<wire::ChannelReport> reports{participant};

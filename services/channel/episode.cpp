@@ -19,6 +19,7 @@ Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, 
       agent_(agent),
       privilege_(privilege),
       unconstrained_(agents::agent_type(agent.type).unconstrained),
+      remembers_(agent.lineages() > 0),
       flight_(map, seed, address.trial),
       silent_since_(now),
       patience_(first_patience) {
@@ -40,15 +41,25 @@ Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, 
 
 Episode::Outcome Episode::accept(const wire::HeightCommand& message, Clock::time_point now) {
   if (message.episode_id() != address_.episode_id || message.attempt() != address_.attempt ||
-      message.step() != flight_.observation().step + 1 || message.agent() != agent_.name || flight_.finished())
+      message.step() != flight_.observation().step + 1 || message.agent() != agent_.name)
     return Outcome::ignored;
+  if (flight_.finished() && !remembers_) return Outcome::ignored;
   if (message.action() == wire::ACTION_UNKNOWN_FLIGHT) return Outcome::lost;
+  if (flight_.finished()) return Outcome::ignored;
   if (message.action() == wire::ACTION_ABSOLUTE && !unconstrained_) return Outcome::forbidden;
   flight_.step(bus::command(message), agent_.name);
   silent_since_ = now;
   patience_ = patience;
   describe();
-  return flight_.finished() ? Outcome::finished : Outcome::stepped;
+  return flight_.finished() && !remembers_ ? Outcome::finished : Outcome::stepped;
+}
+
+Episode::Outcome Episode::accept(const wire::FlightMemory& message) {
+  if (message.episode_id() != address_.episode_id || message.attempt() != address_.attempt ||
+      message.agent() != agent_.name || !flight_.finished() || !remembers_)
+    return Outcome::ignored;
+  memory_ = message.memory();
+  return Outcome::finished;
 }
 
 void Episode::describe() {

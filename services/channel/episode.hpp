@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/agents/registry.hpp"
 #include "common/bus/wire.hpp"
@@ -30,7 +31,7 @@ class Episode {
   enum class Outcome : std::uint8_t {
     ignored,    ///< stale, repeated, or of another flight
     stepped,    ///< executed: ask() for the next
-    finished,   ///< executed, and it was the last: ask() tells the agent so
+    finished,   ///< executed, and it was the last: ask() tells the agent so, unless it was its memory that came
     lost,       ///< the agent has no history of this flight: start it again
     forbidden,  ///< the agent commanded what it may not
   };
@@ -39,6 +40,9 @@ class Episode {
           radio::SignalMap& map, std::uint64_t seed, Clock::time_point now);
 
   Outcome accept(const wire::HeightCommand& command, Clock::time_point now);
+  /// What the agent remembers, after the last step; the flight of an agent that remembers earlier flights is finished
+  /// only with it.
+  Outcome accept(const wire::FlightMemory& message);
 
   struct Senders {
     std::function<void(wire::HeightProfile&)> profile;
@@ -54,6 +58,8 @@ class Episode {
   [[nodiscard]] const agents::AgentSpec& agent() const noexcept { return agent_; }
   [[nodiscard]] const EpisodeAddress& address() const noexcept { return address_; }
   [[nodiscard]] const flight::Flight& flight() const noexcept { return flight_; }
+  /// Empty if the agent keeps none.
+  [[nodiscard]] const std::vector<std::uint8_t>& agent_memory() const noexcept { return memory_; }
 
  private:
   void describe();
@@ -62,7 +68,9 @@ class Episode {
   const agents::AgentSpec& agent_;
   agents::Privilege privilege_;
   bool unconstrained_;
+  bool remembers_;  // earlier flights
   flight::Flight flight_;
+  std::vector<std::uint8_t> memory_;
   wire::ChannelReport report_;
   wire::HeightProfile profile_;
   agents::HeightProfile profile_buffer_;

@@ -23,6 +23,7 @@ LedgerOptions ledger_options(const experiment::Experiment& experiment, const Coo
   ledger.trials = experiment.trials;
   ledger.agents = static_cast<std::uint32_t>(experiment.agents.size());
   ledger.max_attempts = std::clamp(experiment.max_attempts, 1U, 255U);
+  ledger.lineages = experiment::trial_lineages(experiment);
   ledger.heartbeat_timeout = options.heartbeat_timeout;
   ledger.unclaimed_timeout = options.unclaimed_timeout;
   ledger.order = options.order;

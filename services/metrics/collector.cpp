@@ -46,13 +46,14 @@ Collector::Collector(const experiment::Experiment& experiment, Commit commit, In
 std::optional<std::string> Collector::offer(Record record, Clock::time_point now) {
   std::size_t steps = 0;
   if (auto refused = check(record, steps)) return refused;
-  const bool no_room = !queue_.empty() && queue_bytes_ + record.trace.size() > options_.queue_bytes;
+  const std::size_t bytes = record.trace.size() + record.memory.size();
+  const bool no_room = !queue_.empty() && queue_bytes_ + bytes > options_.queue_bytes;
   const bool queued = std::any_of(queue_.begin(), queue_.end(), [&](const Record& other) {
     return other.key == record.key && other.trace == record.trace;
   });
   if (no_room || queued) return std::nullopt;  // it will come again
   if (queue_.empty()) oldest_ = now;
-  queue_bytes_ += record.trace.size();
+  queue_bytes_ += bytes;
   queue_steps_.push_back(steps);
   queue_.push_back(std::move(record));
   return std::nullopt;
@@ -109,10 +110,14 @@ std::optional<std::string> Collector::check(const Record& record, std::size_t& s
                   fmt::format("the experiment has {} conditions of {} trials", experiment_.conditions.size(),
                               experiment_.trials));
   const auto& agents = experiment_.agents;
-  if (std::none_of(agents.begin(), agents.end(), [&](const auto& agent) { return agent.name == record.key.agent; }))
-    return refuse(Rejection::unknown_flight, record, "the experiment has no such agent");
+  const auto agent =
+      std::find_if(agents.begin(), agents.end(), [&](const auto& one) { return one.name == record.key.agent; });
+  if (agent == agents.end()) return refuse(Rejection::unknown_flight, record, "the experiment has no such agent");
   if (record.episode_id != experiment::episode_id(experiment_, record.key))
     return refuse(Rejection::unknown_flight, record, "its episode id does not fit");
+  if ((agent->lineages() > 0) == record.memory.empty())
+    return refuse(Rejection::bad_trace, record,
+                  record.memory.empty() ? "the agent's memory is missing" : "its agent has no memory to keep");
   try {
     const flight::FlightRecord flight = store::decode_trace(record.trace);
     if (const auto wrong = flaw(flight)) return refuse(Rejection::bad_trace, record, *wrong);
@@ -133,7 +138,7 @@ Collector::Commit commit_to(store::ResultStore& store) {
   return [&store](const std::vector<Record>& records) {
     std::vector<store::Stored> stored;
     store.batch([&] {
-      for (const Record& record : records) stored.push_back(store.add(record.key, record.trace));
+      for (const Record& record : records) stored.push_back(store.add(record.key, record.trace, record.memory));
     });
     return stored;
   };

@@ -22,7 +22,8 @@ struct Record {
   std::uint64_t episode_id = 0;
   experiment::FlightKey key;
   std::string worker;
-  std::string trace;  ///< store::encode_trace
+  std::string trace;   ///< store::encode_trace
+  std::string memory;  ///< of agents that remember earlier flights, else empty
 };
 
 /// A flight that is in the database for good.

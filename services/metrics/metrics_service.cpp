@@ -38,6 +38,7 @@ Record to_record(const wire::EpisodeRecord& sample) {
   record.key = {sample.condition(), sample.trial(), std::string(wire::view(sample.agent()))};
   record.worker = wire::view(sample.worker());
   record.trace = wire::view(sample.trace());
+  record.memory = wire::view(sample.agent_memory());
   return record;
 }
 
@@ -53,10 +54,12 @@ class Conversation {
         participant_(service.bus),
         waiter_(service.stop) {
     records_.expect_experiment(experiment.id);
+    memory_requests_.expect_experiment(experiment.id);
     controls_.expect_experiment(experiment.id);
     workers_.expect_experiment(experiment.id);
     runs_.expect_experiment(experiment.id);
     waiter_.add(records_);
+    waiter_.add(memory_requests_);
     waiter_.add(controls_);
     if (options.http_port) serve_http(*options.http_port);
     tell_collector(wire::COLLECTOR_STORING, "");
@@ -105,6 +108,7 @@ class Conversation {
       // A burst must not make the first of it wait for the last.
       if (const auto due = collector_.next_due(); due && *due <= Clock::now()) store_due(false);
     });
+    memory_requests_.drain([this](const wire::MemoryRequest& request) { tell_memory(request); });
     workers_.drain([this](const wire::WorkerStatus& status) { board_.on_worker(status); });
     runs_.drain([this](const wire::RunStatus& status) {
       board_.on_run(status);
@@ -117,10 +121,38 @@ class Conversation {
     try {
       for (const Acknowledgement& done : collector_.commit_due(Clock::now(), flush)) confirm(done);
     } catch (const IntegrityError& error) {
-      tell_collector(wire::COLLECTOR_FAILED, error.what());
-      collector_news_.wait_acknowledged(farewell_time);
+      tell_failure(error);
       throw;
     }
+  }
+
+  /// The last flight of a lineage may be asked for by a worker that does not know yet that its lease is over: then
+  /// there is nothing to tell.
+  void tell_memory(const wire::MemoryRequest& request) {
+    const experiment::FlightKey key{request.condition(), request.trial(), request.agent().to_string()};
+    try {
+      const auto memory = store_.memory(key);
+      if (!memory)
+        return warn_sometimes(
+            fmt::format("asked for the memory of agent '{}' after trial {}, which is not kept", key.agent, key.trial));
+      wire::StoredMemory answer;
+      answer.experiment_id(request.experiment_id());
+      answer.condition(key.condition);
+      answer.trial(key.trial);
+      answer.agent(request.agent());
+      answer.memory(wire::bytes(*memory));
+      memories_.write(answer);
+    } catch (const InputError& error) {
+      warn_sometimes(error.what());
+    } catch (const IntegrityError& error) {
+      tell_failure(error);
+      throw;
+    }
+  }
+
+  void tell_failure(const IntegrityError& error) {
+    tell_collector(wire::COLLECTOR_FAILED, error.what());
+    collector_news_.wait_acknowledged(farewell_time);
   }
 
   void confirm(const Acknowledgement& done) {
@@ -180,7 +212,9 @@ class Conversation {
   bus::Waiter waiter_;
   bus::Writer<wire::EpisodeStored> confirmations_{participant_};
   bus::Writer<wire::CollectorStatus> collector_news_{participant_};
+  bus::Writer<wire::StoredMemory> memories_{participant_};
   bus::Reader<wire::EpisodeRecord> records_{participant_};
+  bus::Reader<wire::MemoryRequest> memory_requests_{participant_};
   bus::Reader<wire::RunControl> controls_{participant_};
   bus::Reader<wire::WorkerStatus> workers_{participant_};
   bus::Reader<wire::RunStatus> runs_{participant_};

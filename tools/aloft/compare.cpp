@@ -43,8 +43,7 @@ std::uint32_t first_different_step(const flight::FlightRecord& a, const flight::
   return static_cast<std::uint32_t>(common);
 }
 
-std::string first_difference(const Both& both) {
-  const compare::DifferentFlight& different = *both.comparison.first_different;
+std::string describe(const Both& both, const compare::DifferentFlight& different) {
   const auto record_a = store::decode_trace(both.a.trace(different.a));
   const auto record_b = store::decode_trace(both.b.trace(different.b));
   return fmt::format("condition {}, trial {}, agent {}: from step {} on",
@@ -70,18 +69,19 @@ Json row_json(const AgentComparison& row) {
 
 void print_json(const Both& both) {
   const Comparison& comparison = both.comparison;
-  Json document{{"a", {{"dir", both.dir_a.string()}, {"experiment_id", both.a.experiment().id}}},
-                {"b", {{"dir", both.dir_b.string()}, {"experiment_id", both.b.experiment().id}}},
-                {"same_experiment", comparison.same_experiment},
-                {"paired", comparison.paired},
-                {"identical", comparison.all_identical()},
-                {"flights_in_both", comparison.in_both},
-                {"flights_identical", comparison.identical},
-                {"flights_only_in_a", comparison.only_a},
-                {"flights_only_in_b", comparison.only_b},
-                {"first_difference", comparison.first_different ? Json(first_difference(both)) : Json()},
-                {"settings", Json::array()},
-                {"agents", Json::array()}};
+  Json document{
+      {"a", {{"dir", both.dir_a.string()}, {"experiment_id", both.a.experiment().id}}},
+      {"b", {{"dir", both.dir_b.string()}, {"experiment_id", both.b.experiment().id}}},
+      {"same_experiment", comparison.same_experiment},
+      {"paired", comparison.paired},
+      {"identical", comparison.all_identical()},
+      {"flights_in_both", comparison.in_both},
+      {"flights_identical", comparison.identical},
+      {"flights_only_in_a", comparison.only_a},
+      {"flights_only_in_b", comparison.only_b},
+      {"first_difference", comparison.first_different ? Json(describe(both, *comparison.first_different)) : Json()},
+      {"settings", Json::array()},
+      {"agents", Json::array()}};
   for (const auto& setting : both.settings)
     document["settings"].push_back({{"path", setting.path}, {"a", setting.a}, {"b", setting.b}});
   for (const AgentComparison& row : comparison.agents) document["agents"].push_back(row_json(row));
@@ -140,7 +140,7 @@ void print_text(const Both& both) {
   if (comparison.only_a + comparison.only_b > 0)
     fmt::print("; {} flights are in A alone, {} in B alone", comparison.only_a, comparison.only_b);
   fmt::print(".\n");
-  if (comparison.first_different) fmt::print("First difference: {}.\n", first_difference(both));
+  if (comparison.first_different) fmt::print("First difference: {}.\n", describe(both, *comparison.first_different));
 }
 
 }  // namespace

@@ -73,6 +73,8 @@ void compare_means(AgentComparison& row, const Flights& a, const Flights& b, std
 std::string names(const experiment::Experiment& experiment) {
   std::vector<std::string> conditions;
   std::vector<std::string> agents;
+  conditions.reserve(experiment.conditions.size());
+  agents.reserve(experiment.agents.size());
   for (const auto& condition : experiment.conditions) conditions.push_back(condition.name);
   for (const auto& agent : experiment.agents) agents.push_back(agent.name);
   return fmt::format("conditions {}; agents {}", fmt::join(conditions, ", "), fmt::join(agents, ", "));

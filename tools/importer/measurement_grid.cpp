@@ -43,7 +43,7 @@ class Rebuild {
     check_vectors();
     grid_.height_min_m = options_.height_min_m;
     grid_.height_step_m = options_.height_step_m;
-    grid_.steps = options_.steps ? given_steps() : detected_steps();
+    grid_.steps = options_.steps ? checked_steps(*options_.steps) : detected_steps();
     grid_.heights = highest_level();
     grid_.throughput_kbps.assign(std::size_t{grid_.steps} * grid_.heights, 0.0);
     grid_.observed.assign(grid_.throughput_kbps.size(), false);
@@ -120,13 +120,13 @@ class Rebuild {
     return text + fmt::format("{} {}", step_maximum, vector(step_maximum).size());
   }
 
-  std::uint32_t given_steps() const {
-    if (!fits(*options_.steps))
+  std::uint32_t checked_steps(std::uint32_t steps) const {
+    if (!fits(steps))
       refuse(
           fmt::format("the vectors do not hold whole flights of {} steps (lengths: {}; the last has one value more "
                       "per flight). Correct --steps, or leave it out to have it detected.",
-                      *options_.steps, lengths()));
-    return *options_.steps;
+                      steps, lengths()));
+    return steps;
   }
 
   /// An agent flown as often as the step maxima were recorded, n times, has n values fewer: n * steps instead of

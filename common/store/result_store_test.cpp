@@ -46,6 +46,13 @@ Experiment small(std::uint64_t seed = 1) {
                            "test");
 }
 
+/// Trials 0, 2, 4, ... and 1, 3, 5, ... of the DQN are two lineages.
+Experiment remembering() {
+  return experiment::parse(R"({"name": "remembering", "trials": 20, "world": {"bs_density_per_km2": [1, 5]},
+      "agents": ["min-height", {"type": "dqn", "memory": "lifelong", "lineages": 2}]})",
+                           "test");
+}
+
 /// A flight of three steps at 40, 50 and 50 m with these qualities: mean height 140/3, one change.
 std::string flight_with(double qos, std::uint32_t steps = 3) {
   flight::FlightRecord record;
@@ -356,4 +363,63 @@ TEST_CASE("a summary of stored flights") {
   CHECK(summary["conditions"][0]["agents"]["constant-120"]["gain_over_min_height_mean"] == 2.0);
   CHECK(summary["conditions"][0]["parameters"]["bs_density_per_km2"] == 1);
   CHECK(summary["build"].get<std::string>().starts_with("0.1.0"));
+}
+
+TEST_CASE("what an agent remembers is stored with its flight, the latest of each lineage; the digest is of flights") {
+  const Folder folder;
+  const std::string flight = flight_with(1.0);
+  const auto dqn = [](std::uint32_t condition, std::uint32_t trial) { return FlightKey{condition, trial, "dqn"}; };
+  std::string digest;
+  {
+    auto results = ResultStore::open_for_writing(folder / "out", remembering());
+    CHECK(results.memory(dqn(0, 0)) == std::nullopt);
+    CHECK(results.add(dqn(0, 0), flight, "a0") == Stored::added);
+    CHECK(results.add(dqn(0, 1), flight, "a1") == Stored::added);
+    CHECK(results.add(dqn(1, 0), flight, "b0") == Stored::added);
+    CHECK(results.memory(dqn(0, 0)) == "a0");
+    CHECK(results.add(dqn(0, 2), flight, "a2") == Stored::added);
+    CHECK(results.memory(dqn(0, 0)) == std::nullopt);  // trial 2 is of the same lineage
+    // A flight that comes again, late, changes nothing.
+    CHECK(results.add(dqn(0, 0), flight, "a0") == Stored::already_there);
+    digest = results.digest();
+  }
+  const auto results = ResultStore::open_for_reading(folder / "out");
+  CHECK(results.memory(dqn(0, 2)) == "a2");
+  CHECK(results.memory(dqn(0, 1)) == "a1");
+  CHECK(results.memory(dqn(1, 0)) == "b0");
+  CHECK(results.memory({0, 0, "min-height"}) == std::nullopt);
+  CHECK(digest == sha256_hex("0 0 dqn " + sha256_hex(flight) + "\n0 1 dqn " + sha256_hex(flight) + "\n0 2 dqn " +
+                             sha256_hex(flight) + "\n1 0 dqn " + sha256_hex(flight) + "\n"));
+}
+
+TEST_CASE("memory is all or nothing with its flight, and an altered one is refused") {
+  const Folder folder;
+  const std::string flight = flight_with(1.0);
+  {
+    auto results = ResultStore::open_for_writing(folder / "out", remembering());
+    CHECK_THROWS_WITH(results.add({0, 0, "dqn"}, flight), Contains("memory for the next flight is missing"));
+    CHECK_THROWS_WITH(results.add({0, 0, "min-height"}, flight, "x"), Contains("has no memory to keep"));
+    CHECK_THROWS(results.batch([&] {
+      (void)results.add({0, 0, "dqn"}, flight, "a0");
+      throw std::runtime_error("killed");
+    }));
+    CHECK(results.keys().empty());
+    CHECK(results.memory({0, 0, "dqn"}) == std::nullopt);
+    CHECK(results.add({0, 0, "dqn"}, flight, "a0") == Stored::added);
+  }
+  run_sql(folder / "out", "UPDATE memory SET bytes = x'6131'");
+  CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out").memory({0, 0, "dqn"}),
+                    Contains("memory of agent 'dqn' after trial 0 was altered"));
+}
+
+TEST_CASE("a database without a place for memory gets one when it is written again") {
+  const Folder folder;
+  { (void)ResultStore::open_for_writing(folder / "out", remembering()); }
+  {
+    SQLite::Database database((folder / "out" / "results.sqlite").string(), SQLite::OPEN_READWRITE);
+    database.exec("DROP TABLE memory");
+  }
+  auto results = ResultStore::open_for_writing(folder / "out", remembering());
+  CHECK(results.add({0, 0, "dqn"}, flight_with(1.0), "a0") == Stored::added);
+  CHECK(results.memory({0, 0, "dqn"}) == "a0");
 }

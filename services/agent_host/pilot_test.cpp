@@ -46,6 +46,30 @@ agents::AgentSpec spec(const char* entry) {
   return agents::parse_agents(nlohmann::json(entry), "test").at(0);
 }
 
+/// An agent that carries its memory from each trial to the next.
+agents::AgentSpec lifelong() {
+  return agents::parse_agents({{"type", "dqn"}, {"memory", "lifelong"}, {"hidden_width", 8}, {"hidden_layers", 1}},
+                              "test")
+      .at(0);
+}
+
+wire::ChannelReport report_of_trial(std::uint32_t trial, std::uint32_t attempt, std::uint32_t step) {
+  wire::ChannelReport message = report(attempt, step, 1);
+  message.neighbour_sinr_db({4.0, 3.0, 2.0, 1.0});
+  message.condition(2);
+  message.trial(trial);
+  message.episode_id(100 + trial);
+  return message;
+}
+
+wire::StoredMemory memory_of(std::uint32_t condition, std::uint32_t trial, std::string_view bytes) {
+  wire::StoredMemory message;
+  message.condition(condition);
+  message.trial(trial);
+  message.memory(wire::bytes(bytes));
+  return message;
+}
+
 /// Thinks, as the host does.
 void think(Pilot& pilot) {
   pilot.task().run();
@@ -133,6 +157,54 @@ TEST_CASE("an agent that plans the route waits for all profiles once, whatever t
   pilot.foresee(profile(1, 2));  // sent again because the channel had asked twice
   REQUIRE(pilot.offer(report(1, 1)) == Verdict::think);
   CHECK(pilot.task().profiles.empty());
+}
+
+TEST_CASE("an agent with a memory hands it over after its flight, and needs that of the flight before") {
+  const agents::AgentSpec agent = lifelong();
+  Pilot first(agent, 7);
+  REQUIRE(first.offer(report_of_trial(0, 1, 0)) == Verdict::think);  // the first of its lineage
+  think(first);
+  REQUIRE(first.offer(report_of_trial(0, 1, 1)) == Verdict::think);
+  first.task().run();
+  REQUIRE(first.finish() == Verdict::hand_over);
+  CHECK(first.memory().stream() == 7);
+  CHECK(first.memory().episode_id() == 100);
+  CHECK(first.memory().attempt() == 1);
+  const std::string memory(wire::view(first.memory().memory()));
+  CHECK(memory == first.task().agent->save_state());
+  CHECK(first.offer(report_of_trial(0, 1, 1)) == Verdict::hand_over);  // the channel asks again
+  CHECK(wire::view(first.memory().memory()) == memory);
+
+  Pilot second(agent, 7);  // in another process
+  CHECK(second.offer(report_of_trial(1, 5, 0)) == Verdict::nothing);
+  REQUIRE(second.wanted_memory() == Pilot::EarlierFlight{2, 0});
+  CHECK_FALSE(second.remember(memory_of(1, 0, memory)));  // of another condition
+  CHECK_FALSE(second.remember(memory_of(2, 1, memory)));  // of another trial
+  CHECK(second.offer(report_of_trial(1, 5, 0)) == Verdict::nothing);
+  CHECK(second.remember(memory_of(2, 0, memory)));
+  REQUIRE(second.resume() == Verdict::think);
+  CHECK(second.task().memory == memory);
+  CHECK_FALSE(second.wanted_memory());
+  think(second);
+  CHECK(second.resume() == Verdict::answer);  // the repetition that was kept
+  CHECK(second.resume() == Verdict::nothing);
+}
+
+TEST_CASE("an agent that lost its memory before handing it over flies again; a bad one is not flown with") {
+  const agents::AgentSpec agent = lifelong();
+  Pilot restarted(agent, 7);
+  REQUIRE(restarted.offer(report_of_trial(0, 1, 1)) == Verdict::answer);
+  CHECK(restarted.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
+  CHECK(restarted.answer().step() == 2);
+
+  Pilot pilot(agent, 7);
+  CHECK(pilot.offer(report_of_trial(1, 2, 0)) == Verdict::nothing);
+  CHECK(pilot.remember(memory_of(2, 0, "not a memory")));
+  REQUIRE(pilot.resume() == Verdict::think);
+  think(pilot);
+  CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
+  CHECK(pilot.offer(report_of_trial(1, 3, 0)) == Verdict::nothing);  // the next attempt asks anew
+  CHECK(pilot.wanted_memory());
 }
 
 TEST_CASE("an agent that fails asks for the flight to start again") {

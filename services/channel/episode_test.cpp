@@ -18,8 +18,8 @@ using Outcome = Episode::Outcome;
 const Clock::time_point start = Clock::now();
 
 struct Talk {
-  explicit Talk(const char* agent, agents::Privilege privilege = agents::Privilege::none)
-      : spec(agents::parse_agents(nlohmann::json(agent), "test").at(0)),
+  explicit Talk(const nlohmann::json& agent, agents::Privilege privilege = agents::Privilege::none)
+      : spec(agents::parse_agents(agent, "test").at(0)),
         episode({.experiment_id = "e", .episode_id = 99, .attempt = 4, .stream = 7}, spec, privilege, map, 1, start) {}
 
   void ask(Clock::time_point now = start) {
@@ -87,6 +87,34 @@ TEST_CASE("commands of others, of earlier attempts, and forbidden jumps change n
   jump.height_m(80.0);
   CHECK(jumper.episode.accept(jump, start) == Outcome::stepped);
   CHECK(jumper.episode.flight().observation().height_m == 80.0);
+}
+
+TEST_CASE("the flight of an agent that remembers is over when its memory has come") {
+  Talk talk({{"type", "dqn"}, {"memory", "lifelong"}});
+  wire::FlightMemory memory;
+  memory.episode_id(99);
+  memory.attempt(4);
+  memory.agent(wire::name("dqn"));
+  memory.memory({1, 2, 3});
+  CHECK(talk.episode.accept(memory) == Outcome::ignored);  // the flight has just begun
+  for (const std::uint32_t step : {1U, 2U, 3U}) {
+    talk.ask();
+    CHECK(talk.episode.accept(talk.command(step), start) == Outcome::stepped);
+  }
+  talk.ask();
+  CHECK(talk.last_report.last());
+  CHECK(talk.episode.repeat_due(start + 1s));
+  CHECK(talk.episode.accept(talk.command(4), start) == Outcome::ignored);
+  wire::FlightMemory old = memory;
+  old.attempt(3);
+  CHECK(talk.episode.accept(old) == Outcome::ignored);
+  SECTION("it comes") {
+    CHECK(talk.episode.accept(memory) == Outcome::finished);
+    CHECK(talk.episode.agent_memory() == std::vector<std::uint8_t>{1, 2, 3});
+  }
+  SECTION("or the agent has died with it") {
+    CHECK(talk.episode.accept(talk.command(4, wire::ACTION_UNKNOWN_FLIGHT), start) == Outcome::lost);
+  }
 }
 
 TEST_CASE("the first question is repeated soon, later ones after a second") {

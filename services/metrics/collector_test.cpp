@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "common/base/digest.hpp"
@@ -99,6 +100,18 @@ TEST_CASE_METHOD(Fixture, "records are committed 50 ms after the first, or 64 at
   CHECK(store.batches == std::vector<std::size_t>{2, 64});
   CHECK_THAT(instruments.prometheus_text(),
              Catch::Contains("aloft_flights_stored_total 66\n") && Catch::Contains("aloft_steps_stored_total 198\n"));
+}
+
+TEST_CASE_METHOD(Fixture, "memory comes with the flights of agents that remember, and with no others", "[collector]") {
+  experiment.agents.push_back(agents::parse_agents({{"type", "dqn"}, {"memory", "lifelong"}}, "agents[2]").at(0));
+  Record flight = record(0);
+  flight.memory = "memory";
+  CHECK_THAT(collector.offer(flight, start).value_or(""), Catch::Contains("has no memory to keep"));
+  flight.key.agent = "dqn";
+  flight.episode_id = experiment::episode_id(experiment, flight.key);
+  CHECK_FALSE(collector.offer(flight, start));
+  flight.memory.clear();
+  CHECK_THAT(collector.offer(flight, start).value_or(""), Catch::Contains("memory is missing"));
 }
 
 TEST_CASE_METHOD(Fixture, "a duplicate is confirmed again and stored once", "[collector]") {

@@ -267,3 +267,14 @@ TEST_CASE("every flight of a sweep's conditions shares what the sweep leaves alo
   CHECK(few.base_stations[0].x_m == many.base_stations[0].x_m);
   CHECK(few.building_height_m.size() < many.building_height_m.size());
 }
+
+TEST_CASE("trials wait for each other only if some agent remembers earlier ones") {
+  const auto lineages = [](const std::string& agents) {
+    return trial_lineages(parse(R"({"name": "t", "trials": 9, "world": {}, "agents": [)" + agents + "]}", "test"));
+  };
+  const std::string six = R"({"type": "dqn", "name": "six", "memory": "lifelong", "lineages": 6})";
+  const std::string four = R"({"type": "dqn", "name": "four", "memory": "lifelong", "lineages": 4})";
+  CHECK(lineages(R"("min-height", "dqn")") == 0);
+  CHECK(lineages(R"("min-height", )" + six) == 6);
+  CHECK(lineages(six + ", " + four) == 2);
+}

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/agents/conformance.hpp"
+#include "common/agents/registry.hpp"
 #include "common/base/error.hpp"
 
 using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test of this namespace
@@ -84,9 +85,10 @@ Flown fly(Agent& agent, Hill hill, const aloft::Parameters* parameters = nullptr
 }
 
 double late_mean(const Flown& flown) {
+  const std::size_t half = flown.rewards.size() / 2;
   double sum = 0;
-  for (std::size_t i = flown.rewards.size() / 2; i < flown.rewards.size(); ++i) sum += flown.rewards[i];
-  return sum / static_cast<double>(flown.rewards.size() - flown.rewards.size() / 2);
+  for (std::size_t i = half; i < flown.rewards.size(); ++i) sum += flown.rewards[i];
+  return sum / static_cast<double>(flown.rewards.size() - half);
 }
 
 std::string error_of(const Json& given) {
@@ -201,6 +203,40 @@ TEST_CASE("lifelong memory carries what was learnt to the next flight") {
   CHECK_THROWS_WITH(agent.begin(measured), Catch::Matchers::Contains("do not mix generated and measured flights"));
 }
 
+TEST_CASE("memory carried as bytes from flight to flight is the memory of one agent that flies on") {
+  for (const Json& given : {Json{{"memory", "lifelong"}}, Json{{"memory", "lifelong"},
+                                                               {"target_network", false},
+                                                               {"loss", "cross-entropy"},
+                                                               {"input_scaling", "linear-max"}}}) {
+    Dqn flies_on(parameters_of(given));
+    std::string memory;
+    for (std::uint32_t trial = 0; trial < 3; ++trial) {
+      Dqn heir(parameters_of(given));
+      if (trial > 0) heir.restore_state(memory);
+      CHECK(fly(heir, Hill(4, trial)).actions == fly(flies_on, Hill(4, trial)).actions);
+      memory = heir.save_state();
+      CHECK(memory == flies_on.save_state());
+      CHECK(memory.size() < max_memory_bytes);
+    }
+  }
+}
+
+TEST_CASE("trials are dealt to lineages only if memory is lifelong") {
+  const auto spec = [](const Json& more) {
+    Json entry{{"type", "dqn"}, {"lineages", 3}};
+    entry.update(more);
+    return parse_agents(entry, "agents[0]").at(0);
+  };
+  CHECK(spec(Json::object()).lineages() == 0);
+  CHECK_FALSE(spec(Json::object()).remembered_trial(7));
+  const AgentSpec lifelong = spec({{"memory", "lifelong"}});
+  CHECK(lifelong.lineages() == 3);
+  CHECK_FALSE(lifelong.remembered_trial(2));
+  CHECK(lifelong.remembered_trial(3) == 0U);
+  CHECK(lifelong.remembered_trial(7) == 4U);
+  CHECK(parse_agents("min-height", "agents[0]").at(0).lineages() == 0);
+}
+
 TEST_CASE("it learns from the executed action, whoever commanded it") {
   // Both see the same flight of someone else, so they must learn the same, whatever they would have done themselves.
   Dqn asked(parameters_of());
@@ -219,8 +255,8 @@ TEST_CASE("it learns from the executed action, whoever commanded it") {
     observation = hill.report(static_cast<Action>(1 + pilot.uniform_index(3)));
   }
   const Command after = silent.act();
-  CHECK(after.introspection->q_values == asked.act().introspection->q_values);
-  CHECK(after.introspection->loss > 0.0);
+  CHECK(after.introspection.value().q_values == asked.act().introspection.value().q_values);
+  CHECK(after.introspection.value().loss > 0.0);
 }
 
 TEST_CASE("impossible settings and worlds are refused") {
@@ -228,6 +264,7 @@ TEST_CASE("impossible settings and worlds are refused") {
   CHECK_THAT(error_of({{"replay_capacity", 10}}), Contains("replay_capacity 10 is smaller than minibatch 16"));
   CHECK_THAT(error_of({{"hidden_width", 30}}), Contains("multiple of 8"));
   CHECK_THAT(error_of({{"neighbours", 3}}), Contains("agents[0].neighbours"));
+  CHECK_THAT(error_of({{"memory", "lifelong"}, {"hidden_width", 1024}}), Contains("would carry"));
 
   Dqn agent(parameters_of());
   Hill hill(1);

@@ -40,6 +40,7 @@ TEST_CASE("agents on the real flight over Grand Canal Quay") {
   CHECK(mean_mbps(*map, "one-step-ahead") == Approx(80.08).margin(0.01));
   CHECK(mean_mbps(*map, "height-filter") == Approx(76.64).margin(0.01));
   CHECK(mean_mbps(*map, "local-bandit") >= 74.0);
+  CHECK(mean_mbps(*map, "pretrained") >= 74.5);
 
   double random_walks = 0.0;
   for (std::uint32_t trial = 0; trial < 100; ++trial) random_walks += mean_mbps(*map, "random-walk", trial) / 100.0;

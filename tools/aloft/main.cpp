@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   add_compare(app, job);
   add_report(app, job);
   add_import_rdata(app, job);
+  add_train(app, job);
   try {
     app.parse(argc, argv);
     return job();

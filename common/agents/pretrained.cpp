@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "common/agents/pretrained_builtin.hpp"
+#include "common/agents/pretrained_model.hpp"
+#include "common/agents/pretrained_state.hpp"
+#include "common/agents/registry.hpp"
+#include "common/agents/steering.hpp"
+#include "common/base/digest.hpp"
+#include "common/base/error.hpp"
+
+namespace aloft::agents {
+namespace {
+
+/// The network in flight. Sums run over the inputs in a fixed order, one multiplication and one addition each, so that
+/// every machine gets the same bits.
+class FlyingNetwork {
+ public:
+  explicit FlyingNetwork(const PretrainedModel::Network& network) {
+    const float* from = network.weights.data();
+    for (const learn::LayerShape& shape : pretrained_shape(network.hidden_width).layers) {
+      using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::Map<const RowMajor> stored(from, static_cast<Eigen::Index>(shape.outputs),
+                                              static_cast<Eigen::Index>(shape.inputs + 1));
+      layers_.push_back({stored.leftCols(stored.cols() - 1), stored.rightCols(1)});
+      from += shape.parameters();
+    }
+  }
+
+  [[nodiscard]] std::array<float, 3> values(std::span<const float, PretrainedState::inputs> inputs) const {
+    Eigen::VectorXf below = Eigen::Map<const Eigen::VectorXf>(inputs.data(), PretrainedState::inputs);
+    Eigen::VectorXf sums;
+    for (std::size_t l = 0; l < layers_.size(); ++l) {
+      sums = layers_[l].bias;
+      for (Eigen::Index i = 0; i < below.size(); ++i)
+        if (below[i] != 0.0F) sums += layers_[l].weights.col(i) * below[i];
+      below = l + 1 < layers_.size() ? sums.cwiseMax(0.0F) : sums;
+    }
+    return {below[0], below[1], below[2]};
+  }
+
+ private:
+  struct Layer {
+    Eigen::MatrixXf weights;
+    Eigen::VectorXf bias;
+  };
+  std::vector<Layer> layers_;
+};
+
+/// What a model file says, read once per agent.
+struct LoadedModel {
+  std::uint64_t id;  // of the file's bytes
+  FlyingNetwork spectral_efficiency;
+  FlyingNetwork throughput;
+};
+
+std::string read_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream)
+    throw InputError(fmt::format(
+        "{}: cannot be read; give the agent's parameter 'model' a model file, or leave it empty for the built-in one",
+        path));
+  return bytes;
+}
+
+LoadedModel load(std::string_view bytes, std::string_view where) {
+  const PretrainedModel model = parse_pretrained_model(bytes, where);
+  return {sha256_id(bytes), FlyingNetwork(model.spectral_efficiency), FlyingNetwork(model.throughput)};
+}
+
+/// The built-in model is made ready once per process: an agent is made for every flight.
+std::shared_ptr<const LoadedModel> model_of(const std::string& path) {
+  if (!path.empty()) return std::make_shared<const LoadedModel>(load(read_file(path), path));
+  static const auto builtin = std::make_shared<const LoadedModel>(load(builtin_model(), "the built-in model"));
+  return builtin;
+}
+
+/// Flies what a network trained beforehand prefers; learns nothing in flight.
+class Pretrained final : public SteeringAgent {
+ public:
+  explicit Pretrained(const Parameters& parameters)
+      : SteeringAgent("pretrained", parameters), model_(model_of(parameters.text("model"))) {}
+
+  void begin(const FlightInfo& flight) override {
+    SteeringAgent::begin(flight);
+    state_ = PretrainedState(flight.qos, level_count(flight));
+  }
+
+  void observe(const Observation& observation) override {
+    SteeringAgent::observe(observation);
+    state_.observe(pretrained_report(flight().qos, level(), observation));
+  }
+
+  Command act() override {
+    std::array<float, PretrainedState::inputs> inputs{};
+    state_.encode(inputs);
+    const bool throughput = flight().qos == QosKind::throughput;
+    const auto values = (throughput ? model_->throughput : model_->spectral_efficiency).values(inputs);
+    constexpr std::array<Action, 3> actions = {Action::down, Action::hold, Action::up};
+    Introspection thought;
+    for (std::size_t i = 0; i < values.size(); ++i) thought.q_values[i] = static_cast<double>(values[i]);
+    return {actions[preferred_action(values)], 0.0, thought};
+  }
+
+ private:
+  void save(StateWriter& writer) const override {
+    const PretrainedState::Memory& memory = state_.memory();
+    writer.put_integer("model", model_->id);
+    std::vector<float> level_values;
+    std::vector<std::int64_t> level_steps;
+    for (const auto& seen : memory.levels) {
+      level_values.insert(level_values.end(), {seen.qos, seen.second_se});
+      level_steps.push_back(seen.step);
+    }
+    std::vector<float> past;
+    for (const auto& step : memory.past) past.insert(past.end(), {step.qos, step.level_change});
+    writer.put("levels", std::span<const float>(level_values));
+    writer.put("level_steps", std::span<const std::int64_t>(level_steps));
+    writer.put("past", std::span<const float>(past));
+    writer.put("se", std::span<const float>(memory.se));
+    writer.put_integer("reports", static_cast<std::uint64_t>(memory.steps + 1));
+    writer.put_integer("level", memory.level);
+    writer.put_number("qos_sum", memory.qos_sum);
+    writer.put_number("qos_max", static_cast<double>(memory.qos_max));
+  }
+
+  void restore(const StateReader& reader) override {
+    if (reader.integer("model") != model_->id) reader.refuse("it was saved by an agent with another model");
+    const auto level_steps = reader.integers("level_steps");
+    const std::size_t levels = flight().steps == 0 ? level_steps.size() : level_count(flight());
+    if (level_steps.size() != levels) reader.refuse("its heights do not fit its flight");
+    PretrainedState::Memory memory;
+    memory.levels.resize(levels);
+    std::vector<float> level_values(2 * levels);
+    reader.get("levels", std::span(level_values));
+    memory.steps = static_cast<std::int32_t>(reader.integer("reports")) - 1;
+    for (std::size_t k = 0; k < levels; ++k) {
+      if (level_steps[k] < -1 || level_steps[k] > memory.steps) reader.refuse("a visit lies in the future");
+      memory.levels[k] = {level_values[2 * k], level_values[2 * k + 1], static_cast<std::int32_t>(level_steps[k])};
+    }
+    std::array<float, 2 * PretrainedState::history> past{};
+    reader.get("past", std::span<float>(past));
+    for (std::size_t i = 0; i < memory.past.size(); ++i) memory.past[i] = {past[2 * i], past[2 * i + 1]};
+    reader.get("se", std::span<float>(memory.se));
+    memory.level = static_cast<std::uint32_t>(reader.integer("level"));
+    if (levels > 0 && memory.level >= levels) reader.refuse("its height is none of the flight's");
+    memory.qos_sum = reader.number("qos_sum");
+    memory.qos_max = static_cast<float>(reader.number("qos_max"));
+    state_ = PretrainedState(flight().qos, static_cast<std::uint32_t>(levels));
+    state_.restore(std::move(memory));
+  }
+
+  std::shared_ptr<const LoadedModel> model_;
+  PretrainedState state_;
+};
+
+const bool registered = register_agent(
+    {.name = "pretrained",
+     .description = std::string("Flies by a network trained beforehand on generated worlds, frozen in flight. Built-in "
+                                "model: data/models/pretrained.pb, SHA-256 ") +
+                    std::string(builtin_model_sha256().substr(0, 16)) + ".",
+     .learns = true,
+     .parameters = {text_parameter("model", "", "Model file of 'aloft train pretrained'; empty: the built-in model.")},
+     .make = [](const Parameters& parameters) { return std::make_unique<Pretrained>(parameters); }});
+
+}  // namespace
+}  // namespace aloft::agents

@@ -129,6 +129,8 @@ TEST_CASE("sweeps: empty, doubled values, too many conditions, equal names") {
   CHECK_THAT(message(with("[1, 5]", hundred + ", \"building_density_per_km2\": " + hundred +
                                         ", \"los_ray\": [\"published\", \"geometric\"]")),
              Contains("world: the sweep has more than 10000 conditions"));
+  CHECK_THAT(message(with("[1, 5]", hundred + ", \"building_density_per_km2\": " + hundred)),
+             Contains("10000 conditions") && Contains("at most 1048576 are allowed"));
   CHECK_THAT(
       message(with("\"world\": {\"bs_density_per_km2\": [1, 5]}", "\"worlds\": [{}, {\"bs_density_per_km2\": 5}]")),
       Contains("conditions 0 and 1 are both named \"generated\"") && Contains("\"name\""));

@@ -156,6 +156,17 @@ Json canonical_form(const Experiment& experiment) {
           {"agents", std::move(agent_list)}};
 }
 
+/// The resolved experiment travels to every process in one sample of at most this size.
+void check_size(const Experiment& experiment) {
+  constexpr std::size_t largest_bytes = 1'048'576;
+  const std::size_t bytes = experiment.canonical.dump().size();
+  if (bytes > largest_bytes)
+    throw InputError(
+        fmt::format("{} conditions and {} agents make {} bytes when resolved; at most {} are allowed, about "
+                    "1,000 conditions: spread the sweep over several experiments",
+                    experiment.conditions.size(), experiment.agents.size(), bytes, largest_bytes));
+}
+
 void apply(OrderedJson& document, const Overrides& overrides) {
   for (const std::string& assignment : overrides.set) set_value(document, assignment);
   if (overrides.trials) document["trials"] = *overrides.trials;
@@ -177,6 +188,7 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
     throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
   experiment.canonical = canonical_form(experiment);
+  check_size(experiment);
   experiment.id = id_of(experiment.canonical);
   return experiment;
 }

@@ -68,30 +68,41 @@ class Run {
     }
   }
 
-  /// False if a flight failed.
+  /// False if a flight failed or could not be stored.
   bool fly_trial(const experiment::Condition& condition, std::uint32_t trial) {
-    std::unique_ptr<radio::SignalMap> map;
     std::vector<Flown> flown;
-    bool failed = false;
+    const bool all_flown = succeeds(condition, trial, [&] { fly_missing(condition, trial, flown); });
+    const bool stored = succeeds(condition, trial, [&] { store_all(flown); });
+    if (!stored) failed_ = true;  // a full or broken store: no use in flying on
+    return all_flown && stored;
+  }
+
+  template <typename Work>
+  bool succeeds(const experiment::Condition& condition, std::uint32_t trial, Work work) {
     try {
-      for (const agents::AgentSpec& spec : experiment_.agents) {
-        experiment::FlightKey key{condition.index, trial, spec.name};
-        if (stored_.contains(key)) continue;
-        if (stop()) break;
-        if (!map) map = experiment::make_signal_map(experiment_, condition, trial);
-        const auto agent = spec.make();
-        if (const auto earlier = spec.remembered_trial(trial))
-          agent->restore_state(memory_after({condition.index, *earlier, spec.name}));
-        const flight::FlightRecord record = flight::fly(*map, experiment_.seed, trial, *agent, spec);
-        flown.push_back(
-            {std::move(key), store::encode_trace(record), spec.lineages() > 0 ? agent->save_state() : std::string()});
-      }
+      work();
+      return true;
     } catch (const std::exception& error) {
       fail(fmt::format("condition {} ({}), trial {}: {}", condition.index, condition.name, trial, error.what()));
-      failed = true;
+      return false;
     }
-    store_all(flown);
-    return !failed;
+  }
+
+  /// The flights of a trial that are not stored yet, appended to `flown`.
+  void fly_missing(const experiment::Condition& condition, std::uint32_t trial, std::vector<Flown>& flown) {
+    std::unique_ptr<radio::SignalMap> map;
+    for (const agents::AgentSpec& spec : experiment_.agents) {
+      experiment::FlightKey key{condition.index, trial, spec.name};
+      if (stored_.contains(key)) continue;
+      if (stop()) return;
+      if (!map) map = experiment::make_signal_map(experiment_, condition, trial);
+      const auto agent = spec.make();
+      if (const auto earlier = spec.remembered_trial(trial))
+        agent->restore_state(memory_after({condition.index, *earlier, spec.name}));
+      const flight::FlightRecord record = flight::fly(*map, experiment_.seed, trial, *agent, spec);
+      flown.push_back(
+          {std::move(key), store::encode_trace(record), spec.lineages() > 0 ? agent->save_state() : std::string()});
+    }
   }
 
   [[nodiscard]] std::string memory_after(const experiment::FlightKey& key) {

@@ -147,7 +147,9 @@ std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& fil
 
 void rethrow(const SQLite::Exception& error, const std::filesystem::path& file) {
   const int code = error.getErrorCode();
-  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) refuse_damaged(file, error.what());
+  // Our statements are correct, so a missing table or column (SQLITE_ERROR) is damage, too.
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR || code == SQLITE_FORMAT)
+    refuse_damaged(file, error.what());
   if (code == SQLITE_FULL || (code == SQLITE_IOERR && disk_is_full(file)))
     throw StoreFull(fmt::format("the disk that holds '{}' is full; make room there", file.string()));
   if (code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM)

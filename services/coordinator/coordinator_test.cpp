@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 using namespace aloft;
 using namespace aloft::coordinator;
@@ -24,7 +25,8 @@ experiment::Experiment small_experiment() {
     condition.name = name;
     experiment.conditions.push_back(condition);
   }
-  for (const char* name : {"min-height", "dqn"}) experiment.agents.push_back({name, name, {}});
+  for (const char* name : {"min-height", "dqn"})
+    experiment.agents.push_back(agents::parse_agents(name, "agents").front());
   return experiment;
 }
 

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <random>
@@ -13,6 +12,7 @@
 #include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
+#include "common/experiment/text_file.hpp"
 #include "common/store/result_store.hpp"
 
 namespace aloft::coordinator {
@@ -28,12 +28,6 @@ constexpr auto farewell_time = 1s;   // for the last message to arrive
 constexpr auto database_time = 10s;  // for the collector to make the database
 constexpr auto reread_delay = 1s;    // until both sides of a new connection know each other
 constexpr std::size_t failures_told = 20;
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("--experiment {}: cannot be read", file.string()));
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// The collector's database, if there is one yet. The collector may be making it at this moment, so errors count only
 /// when they stay.
@@ -244,7 +238,7 @@ class Conversation {
 
 void coordinate(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
-      experiment::parse(read_file(options.experiment), options.experiment.string());
+      experiment::parse(experiment::read_text_file(options.experiment), options.experiment.string());
   Conversation(service, options, experiment).run();
 }
 

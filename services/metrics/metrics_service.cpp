@@ -4,13 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
+#include "common/experiment/text_file.hpp"
 #include "services/metrics/collector.hpp"
 #include "services/metrics/http_server.hpp"
 #include "services/metrics/status_board.hpp"
@@ -24,12 +24,6 @@ constexpr auto idle_time = 500ms;
 constexpr auto say_again_time = 10s;
 constexpr auto pause_news_time = 1s;
 constexpr auto farewell_time = 1s;
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("--experiment {}: cannot be read", file.string()));
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 Record to_record(const wire::EpisodeRecord& sample) {
   Record record;
@@ -230,7 +224,7 @@ class Conversation {
 
 void collect(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
-      experiment::parse(read_file(options.experiment), options.experiment.string());
+      experiment::parse(experiment::read_text_file(options.experiment), options.experiment.string());
   Conversation(service, options, experiment).run();
 }
 

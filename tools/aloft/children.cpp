@@ -5,12 +5,11 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <system_error>
 #include <thread>
-
-extern char** environ;
 
 namespace aloft::cli {
 namespace {

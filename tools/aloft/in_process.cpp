@@ -32,14 +32,13 @@ class Run {
         interrupted_(interrupted),
         done_(stored_.size()) {}
 
-  InProcessOutcome fly_all(unsigned threads) {
+  std::vector<std::string> fly_all(unsigned threads) {
     {
       std::vector<std::jthread> pool;
       threads_ = threads;
       for (unsigned i = 0; i < threads; ++i) pool.emplace_back([this] { fly_trials(); });
     }
-    outcome_.interrupted = interrupted_;
-    return std::move(outcome_);
+    return std::move(failures_);
   }
 
  private:
@@ -123,8 +122,8 @@ class Run {
 
   void fail(std::string line) {
     const std::scoped_lock lock(mutex_);
-    outcome_.failures.push_back(std::move(line));
-    if (fail_fast_ > 0 && outcome_.failures.size() >= fail_fast_) failed_ = true;
+    failures_.push_back(std::move(line));
+    if (fail_fast_ > 0 && failures_.size() >= fail_fast_) failed_ = true;
   }
 
   [[nodiscard]] bool stop() const { return interrupted_ || failed_; }
@@ -141,13 +140,13 @@ class Run {
   std::atomic<bool> failed_ = false;
   std::mutex mutex_;
   std::uint64_t done_;
-  InProcessOutcome outcome_;
+  std::vector<std::string> failures_;
 };
 
 }  // namespace
 
-InProcessOutcome run_in_process(store::ResultStore& results, unsigned threads, unsigned fail_fast, Progress& progress,
-                                const std::atomic<bool>& interrupted) {
+std::vector<std::string> run_in_process(store::ResultStore& results, unsigned threads, unsigned fail_fast,
+                                        Progress& progress, const std::atomic<bool>& interrupted) {
   return Run(results, fail_fast, progress, interrupted).fly_all(threads);
 }
 

@@ -41,7 +41,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     progress.note(fmt::format("{}: {} of {} flights are already there", dir.string(), already_done, total));
   bool complete = already_done == total;
   if (!complete && options.in_process) {
-    failures = run_in_process(*results, options.workers, options.fail_fast, progress, interrupted).failures;
+    failures = run_in_process(*results, options.workers, options.fail_fast, progress, interrupted);
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer

@@ -17,8 +17,6 @@
 #include "common/base/error.hpp"
 #include "tools/report/embedded.hpp"
 
-extern char** environ;
-
 namespace aloft::report {
 namespace {
 

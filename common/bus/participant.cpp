@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
@@ -21,6 +22,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace {
 
 constexpr int max_domain = 101;
+constexpr std::string_view partition_root = "aloft/";
 constexpr std::size_t max_partition_part = 64;
 constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
 
@@ -91,6 +93,30 @@ std::uint64_t Participant::drops() const {
   return total;
 }
 
+std::vector<std::string> Participant::runs() const {
+  return state_->neighbourhood.runs();
+}
+
+void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
+  const std::lock_guard lock(mutex_);
+  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+    runs_.erase(info.info.guid());
+    return;
+  }
+  for (const std::string& partition : info.info.m_qos.m_partition.getNames()) {
+    if (partition.rfind(partition_root, 0) != 0) continue;
+    const std::string path = partition.substr(partition_root.size());
+    runs_[info.info.guid()] = path.substr(0, path.find('/'));
+  }
+}
+
+std::vector<std::string> Neighbourhood::runs() const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> names;
+  for (const auto& [writer, run] : runs_) names.insert(run);
+  return {names.begin(), names.end()};
+}
+
 Participant::State::State(const BusOptions& wanted) : options(wanted) {
   if (options.domain < 0 || options.domain > max_domain)
     throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));
@@ -98,7 +124,7 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
   check_name("worker", options.worker);
   prepare_middleware();
   participant = dds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(options.domain), participant_qos(options));
+      static_cast<std::uint32_t>(options.domain), participant_qos(options), &neighbourhood, dds::StatusMask::none());
   if (participant == nullptr)
     throw std::runtime_error(fmt::format(
         "cannot join DDS domain {} on {}: is the address one of this machine, and is a UDP port free? (about 100 "
@@ -112,7 +138,7 @@ Participant::State::~State() {
 }
 
 std::string Participant::State::partition(Scope scope) const {
-  std::string name = "aloft/" + options.run;
+  std::string name = std::string(partition_root) + options.run;
   if (scope == Scope::run) return name;
   if (options.worker.empty())
     throw std::logic_error("bus: a process outside of a worker cannot use the topics inside a worker");

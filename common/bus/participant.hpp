@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ class Participant {
   [[nodiscard]] const BusOptions& options() const noexcept;
   /// Drops over all topics.
   [[nodiscard]] std::uint64_t drops() const;
+  /// Names of the runs in this domain of which a process is heard now, sorted; it takes some 0.2 s to hear them all.
+  [[nodiscard]] std::vector<std::string> runs() const;
 
   struct State;
   [[nodiscard]] const std::shared_ptr<State>& state() const noexcept { return state_; }

@@ -4,6 +4,7 @@ namespace aloft::channel {
 namespace {
 
 constexpr std::chrono::seconds silence_limit{3};
+constexpr std::size_t max_told = 64;
 
 }  // namespace
 
@@ -14,30 +15,40 @@ bool AgentDirectory::update(const wire::AgentStatus& status, Clock::time_point n
     if (at != agents_.end()) agents_.erase(at);
     return false;
   }
-  const bool added = at == agents_.end();
-  agents_.insert_or_assign(std::string(agent), Entry{status.privilege(), now});
+  const bool added = at == agents_.end() || at->second.lost;
+  Entry entry{status.privilege(), now, {}, false};
+  entry.news.agent(status.agent());
+  entry.news.type(status.type());
+  entry.news.process(status.process());
+  entry.news.state(status.state());
+  entry.news.flights(status.flights());
+  agents_.insert_or_assign(std::string(agent), std::move(entry));
   return added;
 }
 
 std::vector<std::string> AgentDirectory::expire(Clock::time_point now) {
   std::vector<std::string> gone;
-  std::erase_if(agents_, [&](const auto& entry) {
-    if (now - entry.second.seen <= silence_limit) return false;
-    gone.push_back(entry.first);
-    return true;
-  });
+  for (auto& [name, entry] : agents_) {
+    if (entry.lost || now - entry.seen <= silence_limit) continue;
+    entry.lost = true;
+    gone.push_back(name);
+  }
   return gone;
 }
 
 const AgentDirectory::Entry* AgentDirectory::find(std::string_view agent) const {
   const auto at = agents_.find(agent);
-  return at == agents_.end() ? nullptr : &at->second;
+  return at == agents_.end() || at->second.lost ? nullptr : &at->second;
 }
 
-std::vector<std::string> AgentDirectory::names() const {
-  std::vector<std::string> names;
-  for (const auto& [name, entry] : agents_) names.push_back(name);
-  return names;
+std::vector<wire::AgentNews> AgentDirectory::news(Clock::time_point now) const {
+  std::vector<wire::AgentNews> all;
+  for (const auto& [name, entry] : agents_) {
+    if (all.size() == max_told) break;
+    all.push_back(entry.news);
+    all.back().silent_s(std::chrono::duration<double>(now - entry.seen).count());
+  }
+  return all;
 }
 
 }  // namespace aloft::channel

@@ -88,7 +88,10 @@ struct Channel::State {
   }
 
   void tick() {
-    for (const std::string& name : agents.expire(now)) spdlog::warn("agent {} is silent; its flights wait", name);
+    for (const std::string& name : agents.expire(now)) {
+      spdlog::warn("agent {} is silent; its flights wait", name);
+      changed = true;
+    }
     for (std::unique_ptr<Episode>& episode : episodes) {
       if (!episode) continue;
       if (episode->silence(now) > answer_limit)
@@ -319,7 +322,7 @@ struct Channel::State {
       status.failures().back().lease_id(lease);
       status.failures().back().reason(wire::message(reason));
     }
-    status.agents_ready(wire::names(agents.names()));
+    status.agents(agents.news(now));
     status.flights_done(flights_done);
     status.steps_done(steps_done);
     status.records_unconfirmed(static_cast<std::uint32_t>(outbox.size()));

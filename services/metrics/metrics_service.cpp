@@ -43,7 +43,7 @@ class Conversation {
       : stop_(service.stop),
         experiment_(experiment),
         store_(store::ResultStore::open_for_writing(options.results, experiment)),
-        board_(experiment, service.bus.run),
+        board_(service.bus.run),
         collector_(experiment, commit_to(store_), instruments_),
         participant_(service.bus),
         waiter_(service.stop) {
@@ -108,7 +108,10 @@ class Conversation {
       board_.on_run(status);
       instruments_.set_progress(static_cast<double>(status.flights_total()), status.workers_alive());
     });
-    controls_.drain([this](const wire::RunControl& control) { over_ = over_ || control.state() != wire::RUN_RUNNING; });
+    controls_.drain([this](const wire::RunControl& control) {
+      board_.on_control(control);
+      over_ = over_ || control.state() != wire::RUN_RUNNING;
+    });
   }
 
   void store_due(bool flush) {
@@ -186,6 +189,7 @@ class Conversation {
     status.state(state);
     status.message(wire::message(message));
     collector_news_.write(status);
+    board_.on_collector(status);
   }
 
   /// A channel sends a refused record again every few seconds: say it once in a while.

@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   Job job;
   add_run(app, job);
   add_reproduce(app, job);
+  add_status(app, job);
   add_validate(app, job);
   add_agents(app, job);
   add_inspect(app, job);

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <cstdio>
+
+#include "services/status/run_view.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -13,12 +14,6 @@ constexpr std::chrono::milliseconds redraw_period{200};
 constexpr std::chrono::seconds plain_line_period{5};
 
 }  // namespace
-
-std::string clock_text(double seconds) {
-  const auto s = static_cast<std::uint64_t>(std::ceil(seconds));
-  if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
-  return fmt::format("{}:{:02}", s / 60, s % 60);
-}
 
 Progress::Progress(std::uint64_t flights_total, std::uint64_t flights_already_done)
     : terminal_(isatty(STDERR_FILENO) == 1),
@@ -32,7 +27,7 @@ void Progress::update(std::uint64_t flights_done, unsigned workers_alive, unsign
   const std::uint64_t flown = flights_done > already_done_ ? flights_done - already_done_ : 0;
   const double rate = elapsed_s > 0 ? static_cast<double>(flown) / elapsed_s : 0.0;
   const std::string eta =
-      flown == 0 ? "-:--" : clock_text(static_cast<double>(total_ - std::min(flights_done, total_)) / rate);
+      flown == 0 ? "-:--" : status::clock_text(static_cast<double>(total_ - std::min(flights_done, total_)) / rate);
   text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}/{}", flights_done, total_, rate, eta,
                       workers_alive, workers_wanted);
   const bool news = !message.empty() && message != last_message_;

@@ -34,7 +34,4 @@ class Progress {
   std::string last_message_;
 };
 
-/// 75 -> "1:15", 3700 -> "1:01:40".
-[[nodiscard]] std::string clock_text(double seconds);
-
 }  // namespace aloft::cli

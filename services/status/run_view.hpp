@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "common/bus/wire.hpp"
+
+namespace aloft::status {
+
+using Clock = std::chrono::steady_clock;
+
+/// A run as its processes tell of it. Says who has fallen silent, and for how long. No bus; the clock is passed in.
+class RunView {
+ public:
+  /// `name`: of the run on the bus.
+  explicit RunView(std::string name) : name_(std::move(name)) {}
+
+  void on_control(const wire::RunControl& control);
+  void on_run(const wire::RunStatus& status, Clock::time_point now);
+  void on_worker(const wire::WorkerStatus& status, Clock::time_point now);
+  void on_collector(const wire::CollectorStatus& status);
+  /// Forgets workers that left 10 s ago, and those that have been lost for 10 minutes.
+  void forget_old(Clock::time_point now);
+
+  /// The coordinator, and as many workers as it knows, have spoken.
+  [[nodiscard]] bool complete() const;
+  [[nodiscard]] bool heard() const noexcept { return run_.has_value() || !workers_.empty(); }
+
+  /// docs/status.md shows an example and says what each field means.
+  [[nodiscard]] nlohmann::ordered_json to_json(Clock::time_point now) const;
+
+ private:
+  struct Count {
+    Clock::time_point at;
+    std::uint64_t flights;
+    std::uint64_t steps;
+  };
+  struct Worker {
+    wire::WorkerStatus status;
+    Clock::time_point heard;
+    std::deque<Count> counts;  ///< of the last seconds, for the rates
+  };
+  [[nodiscard]] static nlohmann::ordered_json to_json(const Worker& worker, Clock::time_point now);
+
+  std::string name_;
+  std::string experiment_;
+  std::optional<wire::RunStatus> run_;
+  Clock::time_point run_heard_;
+  std::optional<wire::CollectorStatus> collector_;
+  std::map<std::string, Worker> workers_;
+};
+
+/// The same for people: a table of some lines, the troubles last. `run`: what RunView::to_json() gave.
+[[nodiscard]] std::string run_text(const nlohmann::ordered_json& run);
+/// One line.
+[[nodiscard]] std::string run_line(const nlohmann::ordered_json& run);
+/// 75 -> "1:15", 3700 -> "1:01:40".
+[[nodiscard]] std::string clock_text(double seconds);
+
+}  // namespace aloft::status

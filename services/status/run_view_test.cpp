@@ -1,0 +1,130 @@
+#include "services/status/run_view.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace aloft;
+using namespace std::chrono_literals;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const status::Clock::time_point start{};
+
+wire::WorkerStatus worker_news(std::uint64_t flights, std::uint64_t steps) {
+  wire::WorkerStatus news;
+  news.worker("w0");
+  news.experiment_id("0123456789abcdef");
+  news.host("alpha");
+  news.pid(17);
+  news.incarnation(1);
+  news.capacity(3);
+  news.leases({0xab, 0xcd});
+  news.flights_done(flights);
+  news.steps_done(steps);
+  wire::AgentNews agent;
+  agent.agent("dqn");
+  agent.type("dqn");
+  agent.process("aloft-learning-agent");
+  agent.state(wire::AGENT_FLYING);
+  agent.flights(5);
+  agent.silent_s(0.25);
+  news.agents().push_back(agent);
+  agent.agent("planner");
+  agent.state(wire::AGENT_SHADOW);
+  news.agents().push_back(agent);
+  agent.agent("min-height");
+  agent.silent_s(12.0);
+  news.agents().push_back(agent);
+  return news;
+}
+
+wire::RunStatus run_news() {
+  wire::RunStatus news;
+  news.experiment_id("0123456789abcdef");
+  news.state(wire::RUN_RUNNING);
+  news.flights_total(100);
+  news.flights_stored(40);
+  news.flights_per_s(1.5);
+  news.steps_per_s(150.0);
+  news.trials_done(4);
+  news.workers_alive(1);
+  return news;
+}
+
+}  // namespace
+
+TEST_CASE("a run is told with the rates of its workers, the time left, and who flies", "[status]") {
+  status::RunView view("demo");
+  CHECK_FALSE(view.heard());
+  view.on_run(run_news(), start + 4s);
+  view.on_worker(worker_news(10, 1000), start);
+  view.on_worker(worker_news(16, 1600), start + 4s);
+  CHECK(view.heard());
+  CHECK_FALSE(view.complete());
+  view.on_collector({});
+  CHECK(view.complete());
+
+  const auto json = view.to_json(start + 4s);
+  CHECK(json["run"] == "demo");
+  CHECK(json["experiment_id"] == "0123456789abcdef");
+  CHECK(json["state"] == "running");
+  CHECK(json["eta_s"] == 40.0);  // 60 flights at 1.5 per second
+  CHECK(json["collector"]["state"] == "storing");
+  const auto& worker = json["workers"][0];
+  CHECK(worker["state"] == "alive");
+  CHECK(worker["flights_per_s"] == 1.5);  // 6 in 4 s
+  CHECK(worker["steps_per_s"] == 150.0);  // 600 in 4 s
+  CHECK(worker["leases"] == nlohmann::json({"00000000000000ab", "00000000000000cd"}));
+  CHECK(worker["agents"][0]["state"] == "flying");
+  CHECK(worker["agents"][1]["state"] == "shadow");
+  CHECK(worker["agents"][2]["state"] == "lost");
+  CHECK(worker["agents"][2]["silent_s"] == 12.0);
+  CHECK_THAT(status::run_text(json), Contains("dqn flying, planner shadow, min-height LOST for 0:12"));
+  CHECK(status::run_line(json) == "demo: running  40/100 flights  1.5 flights/s  ETA 0:40  workers 1");
+}
+
+TEST_CASE("who falls silent is named with the time since", "[status]") {
+  status::RunView view("demo");
+  view.on_run(run_news(), start);
+  view.on_worker(worker_news(0, 0), start);
+  auto json = view.to_json(start + 65s);
+  CHECK(json["workers"][0]["state"] == "lost");
+  CHECK(json["workers"][0]["agents"][0]["state"] == "lost");
+  CHECK_THAT(status::run_text(json), Contains("LOST 1:05") && Contains("the coordinator has been silent for 1:05"));
+
+  view.forget_old(start + 9min);
+  CHECK(view.to_json(start)["workers"].size() == 1);
+  view.forget_old(start + 11min);
+  CHECK(view.to_json(start)["workers"].empty());
+
+  auto leaving = worker_news(0, 0);
+  leaving.capacity(0);
+  view.on_worker(leaving, start);
+  CHECK(view.to_json(start + 5s)["workers"][0]["state"] == "left");
+  view.forget_old(start + 11s);
+  CHECK(view.to_json(start)["workers"].empty());
+}
+
+TEST_CASE("a worker that restarted counts its rates anew", "[status]") {
+  status::RunView view("demo");
+  view.on_worker(worker_news(1000, 100000), start);
+  auto again = worker_news(2, 200);
+  again.incarnation(2);
+  view.on_worker(again, start + 1s);
+  again.steps_done(300);
+  view.on_worker(again, start + 2s);
+  CHECK(view.to_json(start + 2s)["workers"][0]["steps_per_s"] == 100.0);
+}
+
+TEST_CASE("messages cannot command the terminal", "[status]") {
+  status::RunView view("demo");
+  auto news = run_news();
+  news.message("trial 3 failed\n\033[2Jtrial 4 failed");
+  view.on_run(news, start);
+  CHECK_THAT(status::run_text(view.to_json(start)), Contains("! trial 3 failed; [2Jtrial 4 failed\n"));
+}
+
+TEST_CASE("times are written as on a clock", "[status]") {
+  CHECK(status::clock_text(74.2) == "1:15");
+  CHECK(status::clock_text(3700) == "1:01:40");
+}

@@ -1,0 +1,189 @@
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <map>
+
+#include "common/base/error.hpp"
+#include "common/bus/endpoint.hpp"
+#include "common/bus/waiter.hpp"
+#include "services/status/run_view.hpp"
+#include "tools/aloft/commands.hpp"
+
+namespace aloft::cli {
+namespace {
+
+using status::Clock;
+using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::milliseconds poll_period{100};
+constexpr std::chrono::milliseconds redraw_period{500};
+constexpr std::chrono::milliseconds record_period{1000};
+constexpr std::chrono::milliseconds plain_line_period{5000};
+// Processes announce themselves five times a second; news of a run come twice a second.
+constexpr std::chrono::milliseconds settle_time{1000};
+
+struct StatusOptions {
+  bus::BusOptions bus;
+  bool any_run = false;
+  bool watch = false;
+  double wait_s = 5.0;
+  std::string format;
+};
+
+/// Listens to one run.
+class RunObserver {
+ public:
+  explicit RunObserver(const bus::BusOptions& place) : participant_(place), view_(place.run) {}
+
+  void listen() {
+    const auto now = Clock::now();
+    controls_.drain([&](const wire::RunControl& control) { view_.on_control(control); });
+    runs_.drain([&](const wire::RunStatus& status) { view_.on_run(status, now); });
+    workers_.drain([&](const wire::WorkerStatus& status) { view_.on_worker(status, now); });
+    collectors_.drain([&](const wire::CollectorStatus& status) { view_.on_collector(status); });
+    view_.forget_old(now);
+  }
+  [[nodiscard]] const status::RunView& view() const noexcept { return view_; }
+
+ private:
+  bus::Participant participant_;
+  bus::Reader<wire::RunControl> controls_{participant_};
+  bus::Reader<wire::RunStatus> runs_{participant_};
+  bus::Reader<wire::WorkerStatus> workers_{participant_};
+  bus::Reader<wire::CollectorStatus> collectors_{participant_};
+  status::RunView view_;
+};
+
+/// Listens to the run that was asked for, or to all that there are.
+class Observer {
+ public:
+  explicit Observer(const StatusOptions& options) : options_(options), participant_(options.bus) {
+    if (!options_.any_run) observe(options_.bus.run);
+  }
+
+  void listen() {
+    if (options_.any_run)
+      for (const std::string& run : participant_.runs()) observe(run);
+    for (auto& [name, run] : runs_) run.listen();
+  }
+
+  /// Every run that is there has told all.
+  [[nodiscard]] bool complete() const {
+    return std::all_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.second.view().complete(); });
+  }
+
+  [[nodiscard]] Json to_json() const {
+    Json runs = Json::array();
+    for (const auto& [name, run] : runs_)
+      if (run.view().heard()) runs.push_back(run.view().to_json(Clock::now()));
+    return {{"domain", options_.bus.domain}, {"runs", std::move(runs)}};
+  }
+
+ private:
+  void observe(const std::string& run) {
+    bus::BusOptions place = options_.bus;
+    place.run = run;
+    runs_.try_emplace(run, place);
+  }
+
+  const StatusOptions& options_;
+  bus::Participant participant_;
+  std::map<std::string, RunObserver> runs_;
+};
+
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string nobody(const StatusOptions& options) {
+  return fmt::format(
+      "{} in domain {} on {}: nobody published RunStatus or WorkerStatus within {:g} s. Is it running, in another "
+      "--domain{}?",
+      options.any_run ? "no run" : fmt::format("no run '{}'", options.bus.run), options.bus.domain,
+      fmt::join(options.bus.interfaces, ", "), options.wait_s,
+      options.any_run ? "" : ", under another name (aloft status without --run lists all)");
+}
+
+/// What to show now, `first`: for the first time. Empty: nothing yet.
+std::string picture(const StatusOptions& options, const Json& news, bool terminal) {
+  if (options.format == "json") return dump(news, options.watch ? -1 : 2);
+  std::string text;
+  for (const Json& run : news["runs"])
+    text += options.watch && !terminal ? status::run_line(run) + "\n" : status::run_text(run);
+  return text;
+}
+
+int watch(const StatusOptions& options, Observer& observer, bus::StopSignal& stop) {
+  constexpr std::string_view clear_screen = "\033[H\033[2J";
+  const bool terminal = options.format == "text" && isatty(STDOUT_FILENO) == 1;
+  const auto period = terminal ? redraw_period : options.format == "json" ? record_period : plain_line_period;
+  bus::Waiter waiter(stop);
+  auto next = Clock::now() + settle_time;
+  while (!stop.requested()) {
+    waiter.wait(poll_period);
+    observer.listen();
+    if (Clock::now() < next) continue;
+    next = Clock::now() + period;
+    const Json news = observer.to_json();
+    std::string text = picture(options, news, terminal);
+    if (text.empty()) text = fmt::format("no run in domain {} yet; Ctrl-C ends this\n", options.bus.domain);
+    fmt::print("{}{}", terminal ? clear_screen : "", text);
+    std::fflush(stdout);
+  }
+  return exit_ok;
+}
+
+int once(const StatusOptions& options, Observer& observer, bus::StopSignal& stop) {
+  bus::Waiter waiter(stop);
+  const auto start = Clock::now();
+  const auto limit = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.wait_s));
+  const auto settled = std::min(limit, start + settle_time);
+  while (!stop.requested() && Clock::now() < limit) {
+    waiter.wait(poll_period);
+    observer.listen();
+    if (Clock::now() >= settled && observer.complete() && !observer.to_json()["runs"].empty()) break;
+  }
+  if (stop.requested()) return exit_interrupted;
+  const Json news = observer.to_json();
+  if (options.format == "json" || !news["runs"].empty()) fmt::print("{}", picture(options, news, false));
+  std::fflush(stdout);
+  if (!news["runs"].empty()) return exit_ok;
+  fmt::print(stderr, "aloft status: {}\n", nobody(options));
+  return exit_failure;
+}
+
+int show_status(const StatusOptions& options) {
+  bus::StopSignal stop;  // before any other thread
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("aloft status", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  spdlog::set_pattern("%n: %v");
+  spdlog::set_level(spdlog::level::err);
+  Observer observer(options);
+  return options.watch ? watch(options, observer, stop) : once(options, observer, stop);
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, Job& job) {
+  auto* command =
+      app.add_subcommand("status", "Show the runs in a domain: progress, workers, agents, leases, rates, errors");
+  auto options = std::make_shared<StatusOptions>();
+  options->bus.run.clear();
+  options->bus.process = "aloft-status";
+  command->add_option("--run", options->bus.run, "Name of the run [all that are there]");
+  command->add_option("--domain", options->bus.domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
+  command->add_flag("--watch", options->watch, "Go on until Ctrl-C: redraws a terminal, else prints a line every 5 s");
+  command->add_option("--wait", options->wait_s, "Seconds to wait for the first news")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  add_format(*command, options->format, {"text", "json"});
+  command->callback([options, &job] {
+    options->any_run = options->bus.run.empty();
+    job = [options] { return show_status(*options); };
+  });
+}
+
+}  // namespace aloft::cli

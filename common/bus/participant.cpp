@@ -1,6 +1,7 @@
 #include "common/bus/participant.hpp"
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 
@@ -9,10 +10,12 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
 #include "common/bus/detail.hpp"
+#include "common/bus/network.hpp"
 
 namespace aloft::bus {
 
@@ -25,6 +28,9 @@ constexpr int max_domain = 101;
 constexpr std::string_view partition_root = "aloft/";
 constexpr std::size_t max_partition_part = 64;
 constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
+constexpr std::chrono::milliseconds server_ping_period{200};
+// Clients address the server by its name too. One name will do: a run has one server, a server one run.
+constexpr const char* server_prefix = "44.53.00.5f.61.6c.6f.66.74.00.00.01";
 
 /// Sends the middleware's own warnings to our log.
 class LogToSpdlog : public dds::LogConsumer {
@@ -56,6 +62,29 @@ void check_name(std::string_view what, const std::string& name) {
       fmt::format("{} name '{}': use at most {} letters, digits, '.', '_' or '-'", what, name, max_partition_part));
 }
 
+void use_discovery_server(const BusOptions& options, dds::WireProtocolConfigQos& wire) {
+  const Endpoint endpoint = resolve_endpoint(options.discovery_server);
+  check_reachable(endpoint, options.interfaces);
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  rtps::IPLocator::setIPv4(locator, endpoint.address);
+  rtps::IPLocator::setPhysicalPort(locator, endpoint.port);
+  auto& discovery = wire.builtin.discovery_config;
+  discovery.discoveryServer_client_syncperiod = duration(server_ping_period);
+  if (options.serves_discovery) {
+    check_can_listen(endpoint);
+    discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+    std::istringstream(server_prefix) >> wire.prefix;
+    wire.builtin.metatrafficUnicastLocatorList.push_back(locator);
+    return;
+  }
+  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+  rtps::RemoteServerAttributes server;
+  server.ReadguidPrefix(server_prefix);
+  server.metatrafficUnicastLocatorList.push_back(locator);
+  discovery.m_DiscoveryServers.push_back(server);
+}
+
 dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
@@ -73,6 +102,7 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   discovery.leaseDuration_announcementperiod = duration(options.lease / 5);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = duration(std::chrono::milliseconds(50));
+  if (!options.discovery_server.empty()) use_discovery_server(options, qos.wire_protocol());
   qos.wire_protocol().builtin.mutation_tries = 200;
   qos.wire_protocol().builtin.readerHistoryMemoryPolicy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   return qos;
@@ -122,13 +152,14 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
     throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));
   check_name("run", options.run);
   check_name("worker", options.worker);
+  for (std::string& interface : options.interfaces) interface = local_address(interface);
   prepare_middleware();
   participant = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(options.domain), participant_qos(options), &neighbourhood, dds::StatusMask::none());
   if (participant == nullptr)
     throw std::runtime_error(fmt::format(
-        "cannot join DDS domain {} on {}: is the address one of this machine, and is a UDP port free? (about 100 "
-        "processes fit in a domain; try another --domain)",
+        "cannot join DDS domain {} on {}: is a UDP port free? (about 100 processes fit in a domain; try another "
+        "--domain)",
         options.domain, fmt::join(options.interfaces, ", ")));
 }
 

@@ -14,8 +14,11 @@ struct BusOptions {
   std::string worker;           ///< partition of the worker, e.g. "w0"; empty: coordinator, metrics, command line
   std::string process;          ///< for logs and discovery, e.g. "aloft-channel"
   int domain = 0;               ///< 0..101
-  std::vector<std::string> interfaces{"127.0.0.1"};  ///< addresses to use; loopback only unless the user says otherwise
-  std::chrono::milliseconds lease{1000};             ///< a process that is silent for this long is forgotten
+  /// IPv4 addresses or names of interfaces to use; loopback only unless the user says otherwise.
+  std::vector<std::string> interfaces{"127.0.0.1"};
+  std::string discovery_server{};         ///< "HOST:PORT" of the server that introduces processes; empty: multicast
+  bool serves_discovery = false;          ///< this process is that server
+  std::chrono::milliseconds lease{1000};  ///< a process that is silent for this long is forgotten
 };
 
 /// Samples of one topic that were refused in this process.
@@ -30,7 +33,7 @@ struct Drops {
 /// One per process: its place on the bus. Writers and readers keep it alive as long as they need it.
 class Participant {
  public:
-  /// InputError if an option is out of range; std::runtime_error if the middleware refuses.
+  /// InputError if an option is out of range or not of this machine; std::runtime_error if the middleware refuses.
   explicit Participant(const BusOptions& options);
 
   [[nodiscard]] const BusOptions& options() const noexcept;

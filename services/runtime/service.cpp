@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "common/base/error.hpp"
+#include "services/runtime/bus_flags.hpp"
 
 namespace aloft::runtime {
 namespace {
@@ -32,7 +33,7 @@ struct CommonOptions {
 void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
   app.add_option("--run", options.bus.run, "Name of the run: only processes with the same one hear each other")
       ->capture_default_str();
-  app.add_option("--domain", options.bus.domain, "DDS domain, 0 to 101")->capture_default_str();
+  add_bus_flags(app, options.bus);
   app.add_option("--log-dir", options.log_dir, "Folder for this process's log file; none: no log file");
   app.add_option("--log-level", options.log_level, "Least level that is logged")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))

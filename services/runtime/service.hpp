@@ -26,7 +26,8 @@ struct Service {
 };
 
 /// Makes a service of two functions: `add_options` declares further command-line options (may be empty), `run` does the
-/// work until it is done or `stop` is requested. Parses --run, --domain, --worker, --log-dir, --log-level,
+/// work until it is done or `stop` is requested. Parses --run, --worker, those of bus_flags.hpp, --log-dir,
+/// --log-level,
 /// --die-with-parent; sets up the log and the signals; turns errors into messages and exit codes (base/error.hpp).
 int run_service(int argc, char** argv, const ServiceInfo& info, const std::function<void(CLI::App&)>& add_options,
                 const std::function<void(Service&)>& run);

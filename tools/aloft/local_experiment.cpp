@@ -10,6 +10,7 @@
 #include "common/experiment/summary.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/store/result_store.hpp"
+#include "services/runtime/bus_flags.hpp"
 #include "tools/aloft/in_process.hpp"
 #include "tools/aloft/local_run.hpp"
 
@@ -45,7 +46,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
-    const LocalRun local{dir, options.workers, options.fail_fast, options.shuffled, options.domain, options.run};
+    const LocalRun local{dir, options.workers, options.fail_fast, options.shuffled, options.bus};
     complete = run_local(local, experiment, progress, interrupted, failures);
   }
   progress.finish();
@@ -64,8 +65,9 @@ void FlyingOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");
   command.add_flag("--shuffled", shuffled, "Hand out the trials in a shuffled order: the same bytes");
-  command.add_option("--run", run, "Name of the run on the bus, for external agents that join it [one of its own]");
-  command.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
+  bus.run.clear();
+  command.add_option("--run", bus.run, "Name of the run on the bus, for external agents that join it [one of its own]");
+  runtime::add_bus_flags(command, bus);
 }
 
 int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,

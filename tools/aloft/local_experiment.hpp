@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "common/bus/participant.hpp"
 #include "common/experiment/experiment.hpp"
 
 namespace aloft::cli {
@@ -14,8 +15,7 @@ struct FlyingOptions {
   unsigned fail_fast = 0;
   bool in_process = false;
   bool shuffled = false;
-  int domain = 0;
-  std::string run;
+  bus::BusOptions bus;
 
   FlyingOptions();  ///< a worker per core
   void add_to(CLI::App& command);

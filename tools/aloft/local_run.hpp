@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/participant.hpp"
 #include "common/experiment/experiment.hpp"
 #include "tools/aloft/progress.hpp"
 
@@ -16,13 +17,12 @@ struct LocalRun {
   unsigned workers = 1;
   unsigned fail_fast = 0;
   bool shuffled = false;
-  int domain = 0;
-  std::string
-      name;  ///< of the run on the bus; empty: one of its own, so that runs on one machine do not hear each other
+  bus::BusOptions place;  ///< an empty `run`: one of its own, so that runs on one machine do not hear each other
 };
 
-/// Starts metrics, coordinator and workers, restarts what dies, shows progress, and ends them all. Returns true if
-/// every flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
+/// Starts metrics, coordinator and workers, and the discovery server if its address is one of this machine; restarts
+/// what dies, shows progress, and ends them all. Returns true if every flight is stored; what failed for good is added
+/// to `failures`. No process of the run is left when it returns.
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 

@@ -1,0 +1,24 @@
+// Introduces the processes of a run to each other where multicast does not reach.
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+
+#include "common/base/error.hpp"
+#include "common/bus/waiter.hpp"
+#include "services/runtime/service.hpp"
+
+int main(int argc, char** argv) {
+  using namespace aloft;
+  const runtime::ServiceInfo info{
+      .name = "aloft-discovery-server",
+      .description = "Introduces the processes of one run to each other, across hosts. Listens on --discovery-server."};
+  return runtime::run_service(argc, argv, info, {}, [](runtime::Service& service) {
+    if (service.bus.discovery_server.empty())
+      throw InputError("--discovery-server ADDRESS:PORT is missing: where to listen, an address of this machine");
+    service.bus.serves_discovery = true;
+    const bus::Participant participant(service.bus);
+    spdlog::info("serves discovery on {}", service.bus.discovery_server);
+    bus::Waiter waiter(service.stop);
+    while (!service.stop.requested()) waiter.wait(std::chrono::hours(1));
+  });
+}

@@ -1,0 +1,28 @@
+#include "services/runtime/bus_flags.hpp"
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+
+namespace aloft::runtime {
+
+void add_bus_flags(CLI::App& app, bus::BusOptions& options) {
+  app.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
+  app.add_option("--interface", options.interfaces,
+                 "Network interface to use, by address or name; needed to reach other hosts; repeatable")
+      ->expected(1)
+      ->take_all()
+      ->capture_default_str();
+  app.add_option("--discovery-server", options.discovery_server,
+                 "ADDRESS:PORT of the run's discovery server, where multicast does not reach [multicast]");
+}
+
+std::vector<std::string> bus_arguments(const bus::BusOptions& options) {
+  std::vector<std::string> arguments{"--run", options.run, "--domain", std::to_string(options.domain)};
+  for (const std::string& interface : options.interfaces) arguments.insert(arguments.end(), {"--interface", interface});
+  if (!options.discovery_server.empty())
+    arguments.insert(arguments.end(), {"--discovery-server", options.discovery_server});
+  return arguments;
+}
+
+}  // namespace aloft::runtime

@@ -1,0 +1,98 @@
+#include "tools/aloft/processes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "common/base/error.hpp"
+#include "services/runtime/bus_flags.hpp"
+
+namespace aloft::cli {
+namespace {
+
+constexpr std::chrono::milliseconds farewell_limit{3000};
+constexpr std::chrono::seconds restart_window{60};
+constexpr std::size_t restarts_allowed = 20;  // per process and window: more is a bug, not bad luck
+
+}  // namespace
+
+std::filesystem::path program_path(const std::string& program) {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / program;
+}
+
+Processes::Processes(bus::BusOptions place, std::filesystem::path log_dir)
+    : place_(std::move(place)), log_dir_(std::move(log_dir)) {
+  std::filesystem::create_directories(log_dir_);
+}
+
+void Processes::add(const std::string& program, const std::vector<std::string>& more) {
+  add(program, "", more);
+}
+
+void Processes::add_decider(const std::string& program, const std::vector<std::string>& more) {
+  add(program, "", more);
+  decider_ = program;
+}
+
+void Processes::add_worker(const std::string& worker, const std::vector<std::string>& more) {
+  for (const char* program : {"aloft-environment", "aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
+    add(program, worker, more);
+}
+
+void Processes::add(const std::string& program, const std::string& worker, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{program_path(program).string(), "--log-dir", log_dir_.string(),
+                                     "--die-with-parent"};
+  const std::vector<std::string> place = runtime::bus_arguments(place_);
+  arguments.insert(arguments.end(), place.begin(), place.end());
+  if (!worker.empty()) arguments.insert(arguments.end(), {"--worker", worker});
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  commands_.emplace_back(worker.empty() ? program : program + "-" + worker, std::move(arguments));
+}
+
+void Processes::start_all() {
+  for (const auto& [name, arguments] : commands_) start(name);
+}
+
+std::vector<std::string> Processes::supervise() {
+  std::vector<Children::Ended> deaths;
+  for (const Children::Ended& ended : children_.reap()) {
+    if (ended.name == decider_ && ended.signal == 0)
+      decision_ = ended.exit_code;
+    else if (ended.signal == 0 && ended.exit_code == exit_ok)
+      left_.emplace_back(ended, Clock::now());
+    else
+      deaths.push_back(ended);
+  }
+  if (decision_ || (children_.empty() && deaths.empty())) return {};
+  std::erase_if(left_, [&](const auto& entry) {
+    const bool alone = Clock::now() - entry.second > farewell_limit;
+    if (alone) deaths.push_back(entry.first);
+    return alone;
+  });
+  std::vector<std::string> lines;
+  for (const Children::Ended& ended : deaths) {
+    lines.push_back(fmt::format("{}; starting it again (its log: {})", ended.reason(), log_of(ended.name).string()));
+    start_again(ended.name);
+  }
+  return lines;
+}
+
+void Processes::start(const std::string& name) {
+  const auto command =
+      std::find_if(commands_.begin(), commands_.end(), [&](const auto& entry) { return entry.first == name; });
+  children_.start(name, command->second, log_dir_ / (name + ".err"));
+}
+
+void Processes::start_again(const std::string& name) {
+  std::deque<Clock::time_point>& times = restarts_[name];
+  const auto now = Clock::now();
+  while (!times.empty() && now - times.front() > restart_window) times.pop_front();
+  if (times.size() >= restarts_allowed)
+    throw std::runtime_error(fmt::format("{} died {} times within {} s; see {}", name, times.size() + 1,
+                                         restart_window.count(), log_of(name).string()));
+  times.push_back(now);
+  start(name);
+}
+
+}  // namespace aloft::cli

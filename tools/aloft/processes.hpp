@@ -1,0 +1,63 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/participant.hpp"
+#include "tools/aloft/children.hpp"
+
+namespace aloft::cli {
+
+/// The path of another program of this build.
+[[nodiscard]] std::filesystem::path program_path(const std::string& program);
+
+/// Services that belong together on this machine: started, started again when they die, and ended together.
+class Processes {
+ public:
+  /// All take the same place on the bus, and write their logs into `log_dir`, which is made.
+  Processes(bus::BusOptions place, std::filesystem::path log_dir);
+
+  /// A service by the name of its program, and its further arguments.
+  void add(const std::string& program, const std::vector<std::string>& more);
+  /// A service that decides when all is over: it is not started again when it ends by itself.
+  void add_decider(const std::string& program, const std::vector<std::string>& more);
+  /// The four processes of a worker; all get `more`.
+  void add_worker(const std::string& worker, const std::vector<std::string>& more = {});
+  void start_all();
+
+  /// Starts again what died. Returns a line for each death. Who ends in good order has heard that the run is over; it
+  /// is started again only if the others do not follow within 3 s. std::runtime_error if a process dies again and
+  /// again.
+  std::vector<std::string> supervise();
+  /// The exit code of the decider, once it has ended by itself.
+  [[nodiscard]] std::optional<int> decision() const noexcept { return decision_; }
+  /// All have ended in good order.
+  [[nodiscard]] bool all_left() const noexcept { return children_.empty(); }
+
+  /// Ends all. Returns the names of processes that had to be killed.
+  std::vector<std::string> stop(std::chrono::milliseconds limit) { return children_.stop_all(limit); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void add(const std::string& program, const std::string& worker, const std::vector<std::string>& more);
+  [[nodiscard]] std::filesystem::path log_of(const std::string& name) const { return log_dir_ / (name + ".log"); }
+  void start(const std::string& name);
+  void start_again(const std::string& name);
+
+  bus::BusOptions place_;
+  std::filesystem::path log_dir_;
+  std::string decider_;
+  std::optional<int> decision_;
+  std::vector<std::pair<std::string, std::vector<std::string>>> commands_;
+  std::map<std::string, std::deque<Clock::time_point>> restarts_;
+  std::vector<std::pair<Children::Ended, Clock::time_point>> left_;
+  Children children_;
+};
+
+}  // namespace aloft::cli

@@ -138,7 +138,16 @@ TEST_CASE("more keys than the table of topics allows are refused, not lost silen
   bus::Writer<wire::HeightCommand> writer(here);
   const auto allowed = static_cast<std::uint32_t>(bus::topic_settings<wire::HeightCommand>().keys);
   for (std::uint32_t stream = 0; stream < allowed; ++stream) writer.write(command(stream, 1));
-  CHECK_THROWS_WITH(writer.write(command(allowed, 1)), Contains("HeightCommand") && Contains("1024"));
+  CHECK_THROWS_WITH(writer.write(command(allowed, 1)), Contains("HeightCommand") && Contains("stream out of range"));
+
+  bus::Writer<wire::WorkerStatus> statuses(here);
+  wire::WorkerStatus status;
+  for (int worker = 0; worker < bus::topic_settings<wire::WorkerStatus>().keys; ++worker) {
+    status.worker(wire::name("w" + std::to_string(worker)));
+    statuses.write(status);
+  }
+  status.worker(wire::name("one-too-many"));
+  CHECK_THROWS_WITH(statuses.write(status), Contains("WorkerStatus") && Contains("1024"));
 }
 
 TEST_CASE("samples that break the limits of the wire are not written") {

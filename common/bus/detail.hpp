@@ -35,15 +35,15 @@ class DropCounter {
  public:
   explicit DropCounter(std::string_view topic) : topic_(topic) {}
 
-  void malformed(const char* why) { count(malformed_, "malformed", why); }
-  void invalid(const char* why) { count(invalid_, "invalid", why); }
-  void foreign(const char* why) { count(foreign_, "foreign", why); }
+  void malformed(const char* why) { count(malformed_, "a malformed", why); }
+  void invalid(const char* why) { count(invalid_, "an invalid", why); }
+  void foreign(const char* why) { count(foreign_, "a foreign", why); }
   [[nodiscard]] Drops drops() const { return {malformed_, invalid_, foreign_}; }
 
  private:
   void count(std::atomic<std::uint64_t>& counter, const char* kind, const char* why) {
     const std::uint64_t seen = ++counter;
-    if (std::has_single_bit(seen)) spdlog::warn("{}: dropped a {} sample ({}); {} so far", topic_, kind, why, seen);
+    if (std::has_single_bit(seen)) spdlog::warn("{}: dropped {} sample ({}); {} so far", topic_, kind, why, seen);
   }
 
   std::string_view topic_;

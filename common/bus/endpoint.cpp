@@ -12,6 +12,7 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <stdexcept>
+#include <type_traits>
 
 #include "common/bus/detail.hpp"
 #include "common/bus/validate.hpp"
@@ -65,6 +66,7 @@ ALOFT_BUS_TYPE(WorkerStatus);
 ALOFT_BUS_TYPE(RunStatus);
 ALOFT_BUS_TYPE(EpisodeRecord);
 ALOFT_BUS_TYPE(EpisodeStored);
+ALOFT_BUS_TYPE(RecordRefused);
 ALOFT_BUS_TYPE(FlightMemory);
 ALOFT_BUS_TYPE(MemoryRequest);
 ALOFT_BUS_TYPE(StoredMemory);
@@ -78,6 +80,9 @@ ALOFT_BUS_TYPE(HeightProfile);
 
 template <class T>
 constexpr bool belongs_to_experiment = requires(const T& sample) { sample.experiment_id(); };
+/// A foreign agent need not know which experiment runs.
+template <class T>
+constexpr bool may_belong_to_any = std::is_same_v<T, wire::AgentStatus>;
 
 }  // namespace
 
@@ -170,8 +175,8 @@ struct Reader<T>::State {
       return false;
     }
     if constexpr (belongs_to_experiment<T>) {
-      // An empty id belongs to any experiment: a foreign agent need not know which one runs.
-      if (!experiment.empty() && sample.experiment_id() != experiment && sample.experiment_id() != "") {
+      const bool of_any = may_belong_to_any<T> && wire::view(sample.experiment_id()).empty();
+      if (!experiment.empty() && sample.experiment_id() != experiment && !of_any) {
         drops->foreign("another experiment");
         return false;
       }
@@ -231,6 +236,11 @@ Drops Reader<T>::drops() const {
 }
 
 template <class T>
+void Reader<T>::drop(const char* why) {
+  state_->drops->invalid(why);
+}
+
+template <class T>
 void* Reader<T>::condition() {
   return static_cast<dds::Condition*>(&state_->reader->get_statuscondition());
 }
@@ -249,6 +259,7 @@ ALOFT_BUS_ENDPOINTS(WorkerStatus);
 ALOFT_BUS_ENDPOINTS(RunStatus);
 ALOFT_BUS_ENDPOINTS(EpisodeRecord);
 ALOFT_BUS_ENDPOINTS(EpisodeStored);
+ALOFT_BUS_ENDPOINTS(RecordRefused);
 ALOFT_BUS_ENDPOINTS(FlightMemory);
 ALOFT_BUS_ENDPOINTS(MemoryRequest);
 ALOFT_BUS_ENDPOINTS(StoredMemory);

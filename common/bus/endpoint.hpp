@@ -71,6 +71,8 @@ class Reader {
   /// Writers known now.
   [[nodiscard]] std::size_t matched() const;
   [[nodiscard]] Drops drops() const;
+  /// Counts and logs a sample that only the caller could tell to be bad.
+  void drop(const char* why);
 
  private:
   friend class Waiter;

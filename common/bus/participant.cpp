@@ -16,6 +16,7 @@
 #include "common/base/error.hpp"
 #include "common/bus/detail.hpp"
 #include "common/bus/network.hpp"
+#include "common/bus/test_faults.hpp"
 
 namespace aloft::bus {
 
@@ -95,7 +96,7 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   udp->sendBufferSize = socket_buffer_bytes;
   udp->receiveBufferSize = socket_buffer_bytes;
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
+  qos.transport().user_transports.push_back(with_test_faults(udp));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = duration(options.lease);

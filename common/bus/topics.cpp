@@ -17,6 +17,7 @@ template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept  
 template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       Scope::run,        true,  1,    1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   Scope::run,        false, 512,  1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   Scope::run,        false, 4096, 1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::RecordRefused>() noexcept   { static constexpr TopicSettings row{"RecordRefused",   Scope::run,        false, 64,   1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   Scope::run,        false, 1024, 1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    Scope::run,        false, 64,   1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", Scope::run,        true,  1,    1,           false}; return row; }

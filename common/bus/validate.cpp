@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "common/bus/topics.hpp"
+
 namespace aloft::bus {
 namespace {
 
@@ -77,6 +79,10 @@ const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
   return nullptr;
 }
 
+bool stream(std::uint32_t value) noexcept {
+  return value < static_cast<std::uint32_t>(topic_settings<wire::ChannelReport>().keys);
+}
+
 const char* memory_error(const std::vector<std::uint8_t>& memory) noexcept {
   if (memory.empty()) return "memory is empty";
   return memory.size() > max_memory_bytes ? "memory too long" : nullptr;
@@ -100,12 +106,14 @@ const char* validate(const wire::RunControl& sample) noexcept {
 }
 
 const char* validate(const wire::TrialAssignment& sample) noexcept {
+  if (wire::view(sample.worker()).empty()) return "worker is empty";
   if (sample.agents().size() > max_agents) return "agents too long";
   if (sample.agents().empty() != sample.cancelled()) return "agents must be empty if cancelled, and only then";
   return nullptr;
 }
 
 const char* validate(const wire::WorkerStatus& sample) noexcept {
+  if (wire::view(sample.worker()).empty()) return "worker is empty";
   if (sample.capacity() > max_leases) return "capacity out of range";
   if (sample.leases().size() > max_leases) return "leases too long";
   if (sample.failures().size() > max_leases) return "failures too long";
@@ -125,13 +133,19 @@ const char* validate(const wire::RunStatus& sample) noexcept {
 }
 
 const char* validate(const wire::EpisodeRecord& sample) noexcept {
+  if (wire::view(sample.agent()).empty()) return "agent is empty";
   if (sample.trace().empty()) return "trace is empty";
   if (sample.trace().size() > max_trace_bytes) return "trace too long";
   if (sample.agent_memory().size() > max_memory_bytes) return "agent_memory too long";
   return nullptr;
 }
 
+const char* validate(const wire::RecordRefused& sample) noexcept {
+  return wire::view(sample.digest()).size() == 64 ? nullptr : "digest is no SHA-256";
+}
+
 const char* validate(const wire::FlightMemory& sample) noexcept {
+  if (!stream(sample.stream())) return "stream out of range";
   return memory_error(sample.memory());
 }
 
@@ -140,6 +154,7 @@ const char* validate(const wire::MemoryRequest& sample) noexcept {
 }
 
 const char* validate(const wire::StoredMemory& sample) noexcept {
+  if (wire::view(sample.agent()).empty()) return "agent is empty";
   return memory_error(sample.memory());
 }
 
@@ -166,6 +181,7 @@ const char* validate(const wire::World& sample) noexcept {
 }
 
 const char* validate(const wire::ChannelReport& sample) noexcept {
+  if (!stream(sample.stream())) return "stream out of range";
   if (const char* error = limits_error(sample)) return error;
   if (sample.step() > sample.steps()) return "step out of range";
   if (!distance(sample.x_m()) || !distance(sample.y_m())) return "position out of range";
@@ -180,6 +196,7 @@ const char* validate(const wire::ChannelReport& sample) noexcept {
 }
 
 const char* validate(const wire::HeightCommand& sample) noexcept {
+  if (!stream(sample.stream())) return "stream out of range";
   if (sample.step() < 1 || sample.step() > max_steps) return "step out of range";
   if (sample.action() == wire::ACTION_NONE || !up_to(sample.action(), wire::ACTION_UNKNOWN_FLIGHT))
     return "unknown action";
@@ -198,6 +215,7 @@ const char* validate(const wire::AgentStatus& sample) noexcept {
 }
 
 const char* validate(const wire::HeightProfile& sample) noexcept {
+  if (!stream(sample.stream())) return "stream out of range";
   if (sample.step() < 1 || sample.step() > max_steps) return "step out of range";
   if (!height(sample.height_min_m())) return "height_min_m out of range";
   if (!within(sample.resolution_m(), 1e-3, max_height_m)) return "resolution_m out of range";

@@ -12,6 +12,7 @@ namespace aloft::bus {
 [[nodiscard]] const char* validate(const wire::RunStatus& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::EpisodeRecord& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::EpisodeStored& sample) noexcept;
+[[nodiscard]] const char* validate(const wire::RecordRefused& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::FlightMemory& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::MemoryRequest& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::StoredMemory& sample) noexcept;

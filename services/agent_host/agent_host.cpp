@@ -15,6 +15,7 @@
 #include "common/experiment/experiment.hpp"
 #include "services/agent_host/pilot.hpp"
 #include "services/agent_host/thread_pool.hpp"
+#include "services/runtime/run_follower.hpp"
 
 namespace aloft::agent_host {
 namespace {
@@ -68,17 +69,17 @@ struct Memories {
 struct AgentHost::State {
   State(const bus::BusOptions& place, const AgentHostOptions& wanted, bus::StopSignal& stop_signal)
       : options(wanted), stop(stop_signal), participant(place), commands(participant, {.strength = wanted.strength}) {
-    waiter.add(controls);
+    waiter.add(follower.reader());
     waiter.add(reports);
     if (options.threads > 0) pool.emplace(options.threads);
   }
 
   void run() {
     auto next_status = Clock::now();
-    while (!stop.requested() && !over) {
+    while (!stop.requested() && !follower.over()) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_status - Clock::now());
       waiter.wait(std::max(left, std::chrono::milliseconds(0)));
-      controls.drain([this](const wire::RunControl& control) { on_control(control); });
+      if (follower.update()) begin();
       if (profiles) profiles->drain([this](const wire::HeightProfile& profile) { on_profile(profile); });
       if (memories) memories->stored.drain([this](const wire::StoredMemory& memory) { on_memory(memory); });
       reports.drain([this](const wire::ChannelReport& report) { on_report(report); });
@@ -91,15 +92,8 @@ struct AgentHost::State {
     publish_status(wire::AGENT_STOPPED);
   }
 
-  void on_control(const wire::RunControl& control) {
-    over = control.state() != wire::RUN_RUNNING;
-    if (over) spdlog::info("the run is over");
-    if (over || (experiment && control.experiment_id() == experiment->id)) return;
-    if (pool) pool.emplace(options.threads);  // thoughts about another experiment end first
-    finished.clear();
-    pilots.clear();
-    served.clear();
-    experiment.emplace(experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
+  void begin() {
+    experiment = follower.experiment();
     reports.expect_experiment(experiment->id);
     for (const agents::AgentSpec& spec : experiment->agents) serve(spec);
     publish_status(wire::AGENT_READY);
@@ -249,18 +243,17 @@ struct AgentHost::State {
   bus::Participant participant;
   bus::Writer<wire::HeightCommand> commands;
   bus::Writer<wire::AgentStatus> statuses{participant};
-  bus::Reader<wire::RunControl> controls{participant};
+  runtime::RunFollower follower{participant};
   bus::Reader<wire::ChannelReport> reports{participant};
   std::optional<bus::Reader<wire::HeightProfile>> profiles;
   std::optional<Memories> memories;
   bus::Waiter waiter{stop};
   LivelinessTimer liveliness{commands};
 
-  std::optional<experiment::Experiment> experiment;
+  std::shared_ptr<const experiment::Experiment> experiment;
   std::vector<const agents::AgentSpec*> served;
   std::map<std::uint32_t, std::unique_ptr<Pilot>> pilots;  // by stream
   std::vector<wire::HeightProfile> early;
-  bool over = false;
 
   std::mutex finished_mutex;
   std::vector<Pilot*> finished;

@@ -32,7 +32,6 @@ class AgentDirectory {
   [[nodiscard]] const Entry* find(std::string_view agent) const;
   /// All of them, the lost ones too; at most as many as fit into a WorkerStatus.
   [[nodiscard]] std::vector<wire::AgentNews> news(Clock::time_point now) const;
-  void clear() { agents_.clear(); }
 
  private:
   std::map<std::string, Entry, std::less<>> agents_;

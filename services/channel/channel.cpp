@@ -20,6 +20,7 @@
 #include "services/channel/map_builder.hpp"
 #include "services/channel/outbox.hpp"
 #include "services/channel/trials.hpp"
+#include "services/runtime/run_follower.hpp"
 
 namespace aloft::channel {
 namespace {
@@ -53,26 +54,28 @@ std::uint32_t first_attempt() {
 struct Channel::State {
   State(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop_signal)
       : stop(stop_signal), participant(place), waiter(stop_signal), trials(options.lanes) {
-    waiter.add(controls);
+    waiter.add(follower.reader());
     waiter.add(worlds);
     waiter.add(commands);
     waiter.add(memories);
     waiter.add(agent_statuses);
     waiter.add(stored);
+    waiter.add(refused);
   }
 
   // --- the loop ---
 
   void run() {
     auto next_tick = Clock::now();
-    while (!stop.requested() && !over) {
+    while (!stop.requested() && !follower.over()) {
       waiter.wait(tick_period);
       now = Clock::now();
-      controls.drain([this](const wire::RunControl& control) { on_control(control); });
+      if (follower.update()) begin();
       if (!experiment) continue;
       commands.drain([this](const wire::HeightCommand& command) { on_command(command); });
       memories.drain([this](const wire::FlightMemory& memory) { on_memory(memory); });
       stored.drain([this](const wire::EpisodeStored& message) { on_stored(message); });
+      refused.drain([this](const wire::RecordRefused& message) { on_refused(message); });
       worlds.drain([this](const wire::World& world) { on_world(world); });
       agent_statuses.drain([this](const wire::AgentStatus& status) { on_agent(status); });
       for (MapBuilder::Built& built : builder.take()) on_map(built);
@@ -106,22 +109,14 @@ struct Channel::State {
 
   // --- what arrives ---
 
-  void on_control(const wire::RunControl& control) {
-    over = control.state() != wire::RUN_RUNNING;
-    if (over) spdlog::info("the run is over");
-    if (over || (experiment && control.experiment_id() == experiment->id)) return;
-    episodes.clear();
-    trials = Trials(trials.lanes());
-    agents.clear();
-    experiment = std::make_shared<experiment::Experiment>(
-        experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
+  void begin() {
+    experiment = follower.experiment();
     episodes.resize(experiment->agents.size() * trials.lanes());
     worlds.expect_experiment(experiment->id);
     agent_statuses.expect_experiment(experiment->id);
     stored.expect_experiment(experiment->id);
+    refused.expect_experiment(experiment->id);
     changed = true;
-    spdlog::info("experiment {} ({}): {} agents, {} lanes", experiment->name, experiment->id, experiment->agents.size(),
-                 trials.lanes());
   }
 
   void on_world(const wire::World& world) {
@@ -133,8 +128,9 @@ struct Channel::State {
     }
     trials.add(world.lease_id(), world.condition(), world.trial(), wire::texts(world.agents()));
     changed = true;
-    if (world.condition() >= experiment->conditions.size())
-      return fail(world.lease_id(), fmt::format("the experiment has no condition {}", world.condition()));
+    if (world.condition() >= experiment->conditions.size() || world.trial() >= experiment->trials)
+      return fail(world.lease_id(),
+                  fmt::format("the experiment has no trial {} of condition {}", world.trial(), world.condition()));
     for (const wire::Name& agent : world.agents())
       if (agent_index(wire::view(agent)) == experiment->agents.size())
         return fail(world.lease_id(), fmt::format("the experiment has no agent {}", wire::view(agent)));
@@ -186,6 +182,14 @@ struct Channel::State {
     if (trial == nullptr) return;
     trial->unconfirmed.erase(message.episode_id());
     forget_if_done(*trial);
+  }
+
+  /// A record that the collector will never store would be sent for ever: its trial fails instead.
+  void on_refused(const wire::RecordRefused& message) {
+    const auto lease = outbox.give_up(message.episode_id(), wire::view(message.digest()));
+    if (!lease) return;  // not this trace
+    if (trials.find(*lease) != nullptr)
+      fail(*lease, fmt::format("a flight cannot be stored: {}", wire::view(message.reason())));
   }
 
   // --- flights ---
@@ -380,12 +384,13 @@ struct Channel::State {
 
   bus::StopSignal& stop;
   bus::Participant participant;
-  bus::Reader<wire::RunControl> controls{participant};
+  runtime::RunFollower follower{participant};
   bus::Reader<wire::World> worlds{participant};
   bus::Reader<wire::HeightCommand> commands{participant};
   bus::Reader<wire::FlightMemory> memories{participant};
   bus::Reader<wire::AgentStatus> agent_statuses{participant};
   bus::Reader<wire::EpisodeStored> stored{participant};
+  bus::Reader<wire::RecordRefused> refused{participant};
   bus::Writer<wire::ChannelReport> reports{participant};
   bus::Writer<wire::HeightProfile> profiles{participant};
   bus::Writer<wire::EpisodeRecord> records{participant};
@@ -403,7 +408,6 @@ struct Channel::State {
   Outbox outbox;
 
   Clock::time_point now;
-  bool over = false;
   bool changed = false;
   Clock::time_point next_status;
   std::uint32_t last_attempt = first_attempt();

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "common/base/digest.hpp"
+
 namespace aloft::channel {
 namespace {
 
@@ -22,6 +24,12 @@ std::uint64_t Outbox::confirm(std::uint64_t episode_id) {
   entries_.erase(at);
   progress_ = Clock::now();
   return lease;
+}
+
+std::optional<std::uint64_t> Outbox::give_up(std::uint64_t episode_id, std::string_view trace_sha256) {
+  const auto at = entries_.find(episode_id);
+  if (at == entries_.end() || sha256_hex(wire::view(at->second.record.trace())) != trace_sha256) return std::nullopt;
+  return confirm(episode_id);
 }
 
 void Outbox::send_due(Clock::time_point now, const Send& send) {

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
+#include <string_view>
 
 #include "common/bus/wire.hpp"
 
@@ -19,6 +21,8 @@ class Outbox {
   void add(wire::EpisodeRecord record, Clock::time_point now);
   /// Forgets a record; returns the lease it was flown under, or 0 if it is not here.
   std::uint64_t confirm(std::uint64_t episode_id);
+  /// Forgets a record that will never be stored; returns its lease, or nothing if no record with this trace is here.
+  std::optional<std::uint64_t> give_up(std::uint64_t episode_id, std::string_view trace_sha256);
   /// Sends what was never sent, and again what has not been confirmed for 2 s.
   void send_due(Clock::time_point now, const Send& send);
 

@@ -9,8 +9,8 @@
 
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
-#include "common/experiment/experiment.hpp"
 #include "services/environment/world_maker.hpp"
+#include "services/runtime/run_follower.hpp"
 
 namespace aloft::environment {
 namespace {
@@ -35,32 +35,26 @@ struct Environment::State {
 
   State(const bus::BusOptions& place, bus::StopSignal& stop_signal)
       : stop(stop_signal), participant(place), waiter(stop_signal) {
-    waiter.add(controls);
+    waiter.add(follower.reader());
     waiter.add(assignments);
     waiter.add(worker_statuses);
   }
 
   void run() {
-    while (!stop.requested() && !over) {
+    while (!stop.requested() && !follower.over()) {
       waiter.wait(wait_limit);
-      controls.drain([this](const wire::RunControl& control) { on_control(control); });
-      if (!experiment) continue;
+      if (follower.update()) begin(*follower.experiment());
+      if (!maker) continue;
       assignments.drain([this](const wire::TrialAssignment& assignment) { on_assignment(assignment); });
       worker_statuses.drain([this](const wire::WorkerStatus& status) { on_status(status); });
       serve();
     }
   }
 
-  void on_control(const wire::RunControl& control) {
-    over = control.state() != wire::RUN_RUNNING;
-    if (over) spdlog::info("the run is over");
-    if (over || (experiment && control.experiment_id() == experiment->id)) return;
-    experiment.emplace(experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
-    assignments.expect_experiment(experiment->id);
-    worker_statuses.expect_experiment(experiment->id);
-    maker.emplace(*experiment);
-    queue.clear();
-    spdlog::info("experiment {} ({})", experiment->name, experiment->id);
+  void begin(const experiment::Experiment& experiment) {
+    assignments.expect_experiment(experiment.id);
+    worker_statuses.expect_experiment(experiment.id);
+    maker.emplace(experiment);
   }
 
   void on_assignment(const wire::TrialAssignment& assignment) {
@@ -107,18 +101,16 @@ struct Environment::State {
 
   bus::StopSignal& stop;
   bus::Participant participant;
-  bus::Reader<wire::RunControl> controls{participant};
+  runtime::RunFollower follower{participant};
   bus::Reader<wire::TrialAssignment> assignments{participant};
   bus::Reader<wire::WorkerStatus> worker_statuses{participant};
   bus::Writer<wire::World> worlds{participant};
   bus::Waiter waiter;
 
-  std::optional<experiment::Experiment> experiment;
   std::optional<WorldMaker> maker;
   std::list<Pending> queue;
   std::optional<Clock::time_point> missing_since;
   bool told_missing = false;
-  bool over = false;
 };
 
 Environment::Environment(const bus::BusOptions& place, bus::StopSignal& stop)

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
@@ -98,7 +99,7 @@ class Conversation {
 
   void listen() {
     records_.drain([this](const wire::EpisodeRecord& sample) {
-      if (const auto refused = collector_.offer(to_record(sample), Clock::now())) warn_sometimes(*refused);
+      if (const auto refused = collector_.offer(to_record(sample), Clock::now())) refuse(sample, *refused);
       // A burst must not make the first of it wait for the last.
       if (const auto due = collector_.next_due(); due && *due <= Clock::now()) store_due(false);
     });
@@ -163,6 +164,17 @@ class Conversation {
     confirmations_.write(stored);
   }
 
+  /// Its channel would send it for ever.
+  void refuse(const wire::EpisodeRecord& sample, const std::string& reason) {
+    warn_sometimes(reason);
+    wire::RecordRefused refused;
+    refused.experiment_id(sample.experiment_id());
+    refused.episode_id(sample.episode_id());
+    refused.digest(wire::name(sha256_hex(wire::view(sample.trace()))));
+    refused.reason(wire::message(reason));
+    refusals_.write(refused);
+  }
+
   /// Tells the coordinator and the HTTP side how we are.
   void publish() {
     const auto now = Clock::now();
@@ -192,7 +204,7 @@ class Conversation {
     board_.on_collector(status);
   }
 
-  /// A channel sends a refused record again every few seconds: say it once in a while.
+  /// What somebody else does wrong may come often: say it once in a while.
   void warn_sometimes(const std::string& refused) {
     const auto now = Clock::now();
     if (now - refused_at_ < say_again_time) return;
@@ -209,6 +221,7 @@ class Conversation {
   bus::Participant participant_;
   bus::Waiter waiter_;
   bus::Writer<wire::EpisodeStored> confirmations_{participant_};
+  bus::Writer<wire::RecordRefused> refusals_{participant_};
   bus::Writer<wire::CollectorStatus> collector_news_{participant_};
   bus::Writer<wire::StoredMemory> memories_{participant_};
   bus::Reader<wire::EpisodeRecord> records_{participant_};

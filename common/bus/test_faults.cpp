@@ -1,0 +1,244 @@
+#include "common/bus/test_faults.hpp"
+
+#include <arpa/inet.h>
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <condition_variable>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/random.hpp"
+
+namespace aloft::bus {
+namespace {
+
+namespace transport = eprosima::fastdds::rtps;
+namespace rtps = eprosima::fastrtps::rtps;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* variable = "ALOFT_TEST_FAULTS";
+constexpr unsigned max_delay_ms = 60'000;
+
+unsigned number(std::string_view name, std::string_view text, unsigned limit) {
+  unsigned value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size() && value <= limit) return value;
+  throw InputError(fmt::format("{}: {}={} is out of range; allowed: 0 to {}", variable, name, text, limit));
+}
+
+// RTPS 2.2, 8.3 and 9.4.
+constexpr std::size_t message_header_bytes = 20;
+constexpr std::size_t submessage_header_bytes = 4;
+enum Submessage : rtps::octet { acknack = 0x06, heartbeat = 0x07, gap = 0x08, data = 0x15, data_frag = 0x16 };
+
+/// The kinds of submessages in a message, each once.
+std::set<rtps::octet> kinds_in(const rtps::octet* bytes, std::size_t size) {
+  std::set<rtps::octet> kinds;
+  for (std::size_t at = message_header_bytes; at + submessage_header_bytes <= size;) {
+    kinds.insert(bytes[at]);
+    const bool little_endian = (bytes[at + 1] & 1U) != 0;
+    const std::size_t length =
+        little_endian ? bytes[at + 2] + 256U * bytes[at + 3] : bytes[at + 3] + 256U * bytes[at + 2];
+    if (length == 0) break;  // the last one, up to the end
+    at += submessage_header_bytes + length;
+  }
+  return kinds;
+}
+
+/// Sends datagrams later than they were meant to be, from a socket of its own: the middleware's may be closed by then.
+class LateSender {
+ public:
+  explicit LateSender(const std::vector<std::string>& interfaces) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    in_addr address{};
+    if (!interfaces.empty() && inet_pton(AF_INET, interfaces.front().c_str(), &address) == 1)
+      setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &address, sizeof address);
+    thread_ = std::thread([this] { work(); });
+  }
+  ~LateSender() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+    close(socket_);
+  }
+  LateSender(const LateSender&) = delete;
+  LateSender& operator=(const LateSender&) = delete;
+
+  void send(Clock::time_point when, const rtps::Locator_t& to, std::vector<rtps::octet> bytes) {
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_.emplace(when, Datagram{to, std::move(bytes)});
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  struct Datagram {
+    rtps::Locator_t to;
+    std::vector<rtps::octet> bytes;
+  };
+
+  void work() {
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+      if (waiting_.empty()) {
+        changed_.wait(lock);
+      } else if (const auto due = waiting_.begin()->first; due > Clock::now()) {
+        changed_.wait_until(lock, due);
+      } else {
+        const Datagram datagram = std::move(waiting_.begin()->second);
+        waiting_.erase(waiting_.begin());
+        lock.unlock();
+        deliver(datagram);
+        lock.lock();
+      }
+    }
+  }
+
+  void deliver(const Datagram& datagram) const {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(rtps::IPLocator::getPhysicalPort(datagram.to));
+    std::copy_n(rtps::IPLocator::getIPv4(datagram.to), 4, reinterpret_cast<unsigned char*>(&address.sin_addr));
+    // Lost if the receiver's buffer is full, as any datagram.
+    (void)sendto(socket_, datagram.bytes.data(), datagram.bytes.size(), MSG_DONTWAIT,
+                 reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+
+  int socket_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::multimap<Clock::time_point, Datagram> waiting_;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+struct FaultyDescriptor : transport::ChainingTransportDescriptor {
+  FaultyDescriptor(std::shared_ptr<TransportDescriptorInterface> below, const TestFaults& wanted,
+                   std::vector<std::string> addresses)
+      : ChainingTransportDescriptor(std::move(below)), faults(wanted), interfaces(std::move(addresses)) {}
+  [[nodiscard]] transport::TransportInterface* create_transport() const override;
+
+  TestFaults faults;
+  std::vector<std::string> interfaces;
+};
+
+/// Loses, duplicates and holds back what is sent; copies come late, too. (The middleware's own test transport loses
+/// messages by counting submessages: an answer that carries many samples would be lost every time.)
+class FaultyTransport : public transport::ChainingTransport {
+ public:
+  explicit FaultyTransport(const FaultyDescriptor& descriptor)
+      : ChainingTransport(descriptor), descriptor_(descriptor), late_(descriptor.interfaces) {}
+
+  transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+
+  bool send(rtps::SenderResource* below, const rtps::octet* bytes, std::uint32_t size,
+            transport::LocatorsIterator* begin, transport::LocatorsIterator* end,
+            const Clock::time_point& timeout) override {
+    if (lost(bytes, size)) return true;
+    transport::LocatorList destinations;  // the middleware's iterators can be walked only once
+    for (; *begin != *end; ++*begin) destinations.push_back(**begin);
+    if (chance(descriptor_.faults.duplicate)) send_late(destinations, {bytes, bytes + size});
+    if (chance(descriptor_.faults.delay)) {
+      send_late(destinations, {bytes, bytes + size});
+      return true;
+    }
+    transport::Locators first(destinations.begin());
+    transport::Locators last(destinations.end());
+    return below->send(bytes, size, &first, &last, timeout);
+  }
+
+  void receive(transport::TransportReceiverInterface* next, const rtps::octet* bytes, std::uint32_t size,
+               const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    next->OnDataReceived(bytes, size, local, remote);
+  }
+
+ private:
+  bool lost(const rtps::octet* bytes, std::size_t size) {
+    const TestFaults& faults = descriptor_.faults;
+    if (chance(faults.any)) return true;
+    const std::set<rtps::octet> kinds = kinds_in(bytes, size);
+    return (kinds.contains(data) && chance(faults.data)) || (kinds.contains(data_frag) && chance(faults.data_frag)) ||
+           (kinds.contains(heartbeat) && chance(faults.heartbeat)) ||
+           (kinds.contains(acknack) && chance(faults.acknack)) || (kinds.contains(gap) && chance(faults.gap));
+  }
+
+  bool chance(unsigned percent) {
+    if (percent == 0) return false;
+    const std::lock_guard lock(mutex_);
+    return random_.uniform_index(100) < percent;
+  }
+  void send_late(const transport::LocatorList& destinations, const std::vector<rtps::octet>& bytes) {
+    const std::lock_guard lock(mutex_);
+    const auto limit_us = static_cast<std::uint32_t>(descriptor_.faults.delay_limit.count() * 1000);
+    const auto when = Clock::now() + std::chrono::microseconds(random_.uniform_index(limit_us));
+    for (const rtps::Locator_t& to : destinations) late_.send(when, to, bytes);
+  }
+
+  FaultyDescriptor descriptor_;
+  std::mutex mutex_;
+  RandomStream random_{static_cast<std::uint64_t>(getpid()), 0, variable};
+  LateSender late_;
+};
+
+transport::TransportInterface* FaultyDescriptor::create_transport() const {
+  return new FaultyTransport(*this);
+}
+
+}  // namespace
+
+TestFaults parse_test_faults(std::string_view text) {
+  TestFaults faults;
+  unsigned delay_ms = static_cast<unsigned>(faults.delay_limit.count());
+  const std::map<std::string_view, unsigned*> names{{"data", &faults.data},
+                                                    {"data_frag", &faults.data_frag},
+                                                    {"heartbeat", &faults.heartbeat},
+                                                    {"acknack", &faults.acknack},
+                                                    {"gap", &faults.gap},
+                                                    {"any", &faults.any},
+                                                    {"delay", &faults.delay},
+                                                    {"duplicate", &faults.duplicate},
+                                                    {"delay_ms", &delay_ms}};
+  while (!text.empty()) {
+    const std::string_view part = text.substr(0, text.find(','));
+    const std::string_view name = part.substr(0, part.find('='));
+    const auto at = names.find(name);
+    if (at == names.end() || name.size() == part.size())
+      throw InputError(fmt::format(
+          "{}: '{}' is unknown; use data=, data_frag=, heartbeat=, acknack=, gap=, any=, duplicate=, delay= (percent) "
+          "and delay_ms=, separated by commas",
+          variable, part));
+    *at->second = number(name, part.substr(name.size() + 1), name == "delay_ms" ? max_delay_ms : 100);
+    text.remove_prefix(std::min(text.size(), part.size() + 1));
+  }
+  faults.delay_limit = std::chrono::milliseconds(std::max(1U, delay_ms));
+  return faults;
+}
+
+std::shared_ptr<transport::TransportDescriptorInterface> with_test_faults(
+    std::shared_ptr<transport::UDPv4TransportDescriptor> udp) {
+  const char* wanted = std::getenv(variable);
+  if (wanted == nullptr || *wanted == '\0') return udp;
+  const TestFaults faults = parse_test_faults(wanted);
+  spdlog::warn("{}={}: this process damages its own messages", variable, wanted);
+  return std::make_shared<FaultyDescriptor>(udp, faults, udp->interfaceWhiteList);
+}
+
+}  // namespace aloft::bus

@@ -1,0 +1,33 @@
+#include "services/runtime/run_follower.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace aloft::runtime {
+
+bool RunFollower::update() {
+  const bool known_before = experiment_ != nullptr;
+  controls_.drain([this](const wire::RunControl& control) { follow(control); });
+  return !known_before && experiment_ != nullptr;
+}
+
+void RunFollower::follow(const wire::RunControl& control) {
+  if (control.state() != wire::RUN_RUNNING) {
+    if (!over_) spdlog::info("the run is over");
+    over_ = true;
+    return;
+  }
+  if (experiment_ != nullptr) return;
+  try {
+    auto experiment = std::make_shared<experiment::Experiment>(
+        experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
+    if (experiment->id != control.experiment_id()) return controls_.drop("the experiment has another id");
+    controls_.expect_experiment(experiment->id);
+    spdlog::info("experiment {} ({}): {} agents", experiment->name, experiment->id, experiment->agents.size());
+    experiment_ = std::move(experiment);
+  } catch (const std::exception& error) {
+    spdlog::error("cannot fly this run: {}", error.what());
+    controls_.drop("the experiment cannot be read");
+  }
+}
+
+}  // namespace aloft::runtime

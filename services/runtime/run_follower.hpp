@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+
+#include "common/bus/endpoint.hpp"
+#include "common/experiment/experiment.hpp"
+
+namespace aloft::runtime {
+
+/// What a process of a worker learns from RunControl: the experiment of its run, and when the run is over. A process
+/// serves one experiment: what is said about others is dropped, and so is an experiment that cannot be read.
+class RunFollower {
+ public:
+  explicit RunFollower(const bus::Participant& participant) : controls_(participant) {}
+
+  /// Reads what has arrived. True once: when the experiment has become known.
+  bool update();
+
+  [[nodiscard]] bool over() const noexcept { return over_; }
+  /// Null until it is known.
+  [[nodiscard]] const std::shared_ptr<const experiment::Experiment>& experiment() const noexcept { return experiment_; }
+  /// For a waiter.
+  [[nodiscard]] bus::Reader<wire::RunControl>& reader() noexcept { return controls_; }
+
+ private:
+  void follow(const wire::RunControl& control);
+
+  bus::Reader<wire::RunControl> controls_;
+  std::shared_ptr<const experiment::Experiment> experiment_;
+  bool over_ = false;
+};
+
+}  // namespace aloft::runtime

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/integration/command.hpp"
+
+namespace aloft::test {
+
+/// Sets an environment variable for the processes that are started as long as it lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value);
+  ~Variable();
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+/// One small experiment with agents of every kind, flown in process for reference, and runs of it over DDS that
+/// something happens to.
+class FaultScene {
+ public:
+  /// `trials` per condition; there are two conditions and six agents, one of which remembers earlier trials.
+  explicit FaultScene(int trials = 8);
+
+  [[nodiscard]] std::filesystem::path out(const std::string& name) const { return scratch_ / name; }
+  [[nodiscard]] std::filesystem::path experiment() const { return scratch_ / "experiment.json"; }
+  [[nodiscard]] int flights() const { return 2 * 6 * trials_; }
+  /// Of the flights flown in process.
+  [[nodiscard]] const std::string& reference() const { return reference_; }
+
+  /// aloft run into out(name).
+  [[nodiscard]] std::vector<std::string> run_arguments(const std::string& name,
+                                                       const std::vector<std::string>& options) const;
+  [[nodiscard]] std::unique_ptr<Command> start(const std::string& name, const std::vector<std::string>& options) const;
+  [[nodiscard]] std::string digest(const std::string& name) const;
+  /// How many flights lie in the database; 0 if there is none yet.
+  [[nodiscard]] int stored(const std::string& name) const;
+  /// Until so many flights are stored or the command ends.
+  void wait_for_flights(const std::string& name, Command& run, int flights) const;
+  /// The services of a run: all processes that work for out(name) but the one that was started.
+  [[nodiscard]] std::vector<int> services(const std::string& name, const Command& run) const;
+  [[nodiscard]] std::string log(const std::string& name, const std::string& process) const;
+  /// The run ended well and left the same bytes as in process, and no process.
+  void check_finished(const std::string& name, Command& run, std::chrono::seconds limit) const;
+
+ private:
+  ScratchDir scratch_;
+  int trials_;
+  std::string reference_;
+};
+
+/// Resident memory of a process in bytes; 0 if it is gone.
+[[nodiscard]] std::size_t resident_bytes(int pid);
+[[nodiscard]] std::string command_line(int pid);
+/// Calls `done` every few milliseconds until it is true; false after `limit` (times the slowdown).
+bool eventually(std::chrono::seconds limit, const std::function<bool()>& done);
+
+}  // namespace aloft::test

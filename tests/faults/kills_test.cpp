@@ -83,7 +83,7 @@ TEST_CASE("the command itself is killed, and the same command goes on", "[kills]
   scene.check_finished("resumed", *run, 120s);
 }
 
-TEST_CASE("a worker stops for longer than its lease, and comes back with late results", "[kills]") {
+TEST_CASE("a worker stops for longer than its lease, and comes back with late results", "[.stops]") {
   const FaultScene scene(60);
   const std::string name = "stopped";
   const auto service = [&](const std::string& program, std::vector<std::string> more) {

@@ -49,7 +49,7 @@ void BlockedNetwork::build_layers() {
     const std::size_t rows = rounded_up(shape.inputs + 1);
     const std::size_t parameters = rows * shape.outputs;
     widest = std::max({widest, rows, rounded_up(shape.outputs)});
-    alive_.emplace_back(shape.inputs + 1);
+    alive_.emplace_back(rows / lanes, 0U);
     KernelLayer& layer = layers_.emplace_back();
     layer.inputs = static_cast<int>(shape.inputs);
     layer.outputs = static_cast<int>(shape.outputs);
@@ -64,17 +64,17 @@ void BlockedNetwork::build_layers() {
     std::fill_n(layer.input + shape.inputs * lanes, lanes, 1.0F);  // what the bias multiplies
     layer.input_by_sample = allocate(rows * lanes);
     layer.alive = alive_.back().data();
-    for (std::size_t i = 0; i <= shape.inputs; ++i)
-      layer.alive[i] = {static_cast<int>(i * lanes), static_cast<int>(block_index(layer, 0, i))};
-    layer.alive_count = layer.inputs + 1;
+    for (std::size_t i = 0; i <= shape.inputs; ++i) layer.alive[i / lanes] |= 1U << (i % lanes);
   }
   order_.resize(widest);
+  gradients_.resize(widest);
   network_.layer_count = static_cast<int>(layers_.size());
   network_.layers = layers_.data();
   for (float** array : {&network_.output, &network_.slope, &network_.targets, &network_.counted, &network_.delta,
-                        &network_.delta_below, &network_.delta_by_sample})
+                        &network_.delta_below})
     *array = allocate((widest + lanes) * lanes);
   network_.order = order_.data();
+  network_.gradients = gradients_.data();
 }
 
 std::vector<float> BlockedNetwork::flat(Array member) const {

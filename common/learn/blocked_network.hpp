@@ -50,8 +50,9 @@ class BlockedNetwork final : public Network {
   const Kernels& kernels_;
   std::uint64_t steps_ = 0;
   std::vector<AlignedFloats> memory_;
-  std::vector<std::vector<AliveInput>> alive_;
+  std::vector<std::vector<unsigned>> alive_;
   std::vector<int> order_;
+  std::vector<OutputGradient> gradients_;
   std::vector<KernelLayer> layers_;
   KernelNetwork network_{};
 };

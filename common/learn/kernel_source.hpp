@@ -3,11 +3,13 @@
 //
 // Every sum runs in a fixed order with fused multiply-add, so all instruction sets give the same bits:
 // forward over the inputs in ascending order with the bias last, gradients over the samples, deltas over the units of
-// the layer above. Units that are zero in the whole batch are left out, which changes no sum.
+// the layer above. Units that are zero in the whole batch are left out, and in the gradients every sample whose delta
+// is zero: adding a zero changes no sum.
 
 #define ALOFT_UNROLL _Pragma("GCC unroll 64")
 
 constexpr int lanes = batch_lanes;
+constexpr unsigned whole_block = (1U << lanes) - 1;
 
 // --- output layer -----------------------------------------------------------------------------------------------
 
@@ -92,17 +94,33 @@ void output_delta(KernelNetwork& network, const KernelTraining& training) {
 
 // --- forward ----------------------------------------------------------------------------------------------------
 
+/// sums[n] += weight of output n for one input, times the input's row `x`.
+template <int N>
+inline void add_input(const float* weight, const float* x, V* sums) {
+  const V row = V::load(x);
+  ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = fma(V::broadcast(weight + n * lanes), row, sums[n]);
+}
+
 /// Sums of N outputs from `first` on, for the whole batch.
 template <int N>
 void forward_tile(const KernelLayer& layer, int first, float* to) {
-  const float* const weights = layer.weights + first * lanes;
-  const AliveInput* const end = layer.alive + layer.alive_count;
+  const float* weights = layer.weights + first * lanes;
+  const float* rows = layer.input;
   V sums[N];
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = V::of(0.0F);
-  for (const AliveInput* input = layer.alive; input != end; ++input) {
-    const V x = V::load(layer.input + input->row);
-    const float* w = weights + input->weight;
-    ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = fma(V::broadcast(w + n * lanes), x, sums[n]);
+  for (int block = 0; block < layer.blocks; ++block, weights += layer.outputs * lanes, rows += lanes * lanes) {
+    unsigned alive = layer.alive[block];
+    if (alive == whole_block) {  // pointers that only move by one are a quarter faster
+      const float* x = rows;
+      for (const float* w = weights; w != weights + lanes; ++w, x += lanes) add_input<N>(w, x, sums);
+    } else {
+      for (; alive != 0; alive &= alive - 1) {
+        const int i = __builtin_ctz(alive);
+        const float* w = weights + i;
+        asm("" : "+r"(w));  // a register of its own: indexed addresses double the micro-operations
+        add_input<N>(w, rows + i * lanes, sums);
+      }
+    }
   }
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n].store(to + (first + n) * lanes);
 }
@@ -114,21 +132,20 @@ void forward_layer(const KernelLayer& layer, float* to) {
   for (; o < layer.outputs; ++o) forward_tile<1>(layer, o, to);
 }
 
-/// Applies ReLU to the inputs of `layer` and lists those that are not zero in the whole batch.
+/// Applies ReLU to the inputs of `layer` and marks those that are not zero in the whole batch.
 void hidden_activation(KernelLayer& layer, Activation activation) {
-  int count = 0;
-  for (int i = 0; i <= layer.inputs; ++i) {
-    float* row = layer.input + i * lanes;
-    bool alive = true;
-    if (activation == Activation::relu && i < layer.inputs) {
-      const V x = max(V::load(row), V::of(0.0F));
-      x.store(row);
-      alive = any_positive(x);
+  if (activation != Activation::relu) return;  // all alive, as they were made
+  for (int block = 0; block < layer.blocks; ++block) {
+    float* const rows = layer.input + block * lanes * lanes;
+    const int units = layer.inputs - block * lanes < lanes ? layer.inputs - block * lanes : lanes;
+    unsigned alive = units < lanes ? 1U << units : 0U;  // the constant input
+    for (int i = 0; i < units; ++i) {
+      const V x = max(V::load(rows + i * lanes), V::of(0.0F));
+      x.store(rows + i * lanes);
+      alive |= (any_positive(x) ? 1U : 0U) << i;
     }
-    layer.alive[count] = {i * lanes, i / lanes * layer.outputs * lanes + i % lanes};
-    count += alive ? 1 : 0;
+    layer.alive[block] = alive;
   }
-  layer.alive_count = count;
 }
 
 void forward(KernelNetwork& network) {
@@ -177,9 +194,7 @@ void delta_layer(const KernelLayer& layer, Activation below, const int* order, i
                  float* to) {
   alignas(64) float by_sample[delta_blocks * lanes * lanes];
   alignas(64) float by_unit[lanes * lanes];
-  const int alive = layer.alive_count - 1;  // without the constant input
-  int j = 0;
-  for (int block = 0; block < layer.blocks && j < alive;) {
+  for (int block = 0; block * lanes < layer.inputs;) {
     const int blocks = block + delta_blocks <= layer.blocks ? delta_blocks : 1;
     if (blocks == delta_blocks) {
       delta_tile<delta_blocks, delta_samples>(layer, block, order, count, delta, by_sample);
@@ -188,10 +203,13 @@ void delta_layer(const KernelLayer& layer, Activation below, const int* order, i
     }
     for (int b = 0; b < blocks; ++b, ++block) {
       transpose(by_sample + b * lanes * lanes, lanes, by_unit, lanes);
-      for (; j < alive && layer.alive[j].row < (block + 1) * lanes * lanes; ++j) {
-        const V x = V::load(layer.input + layer.alive[j].row);
-        const V d = V::load(by_unit + (layer.alive[j].row - block * lanes * lanes));
-        (below == Activation::relu ? where_positive(x, d, V::of(0.0F)) : d).store(to + j * lanes);
+      const float* const rows = layer.input + block * lanes * lanes;
+      for (unsigned alive = layer.alive[block]; alive != 0; alive &= alive - 1) {
+        const int i = __builtin_ctz(alive);
+        if (block * lanes + i == layer.inputs) break;  // the constant input
+        const V d = V::load(by_unit + i * lanes);
+        (below == Activation::relu ? where_positive(V::load(rows + i * lanes), d, V::of(0.0F)) : d).store(to);
+        to += lanes;
       }
     }
   }
@@ -235,102 +253,61 @@ inline void adam_step(Arrays layer, long at, V g, Adam adam) {
   fnma(mul(adam.step_size, m), r, V::load(layer.weights + at)).store(layer.weights + at);
 }
 
-/// Gradients of a tile that wait for their Adam step, which is done between the multiplications of the next tile: so
-/// the divider and the multipliers work at the same time.
-struct Pending {
-  alignas(64) float gradient[16 * lanes];
-  long at[16];
-  int count = 0;
-
-  void flush(Arrays layer, Adam adam) {
-    for (int e = 0; e < count; ++e) adam_step(layer, at[e], V::load(gradient + e * lanes), adam);
-    count = 0;
-  }
-};
-
-/// Gradients of B input blocks x N outputs.
-template <int B, int N>
-void gradient_tile(const KernelLayer& layer, const float* delta_by_sample, int stride, int block, int first,
-                   const int* order, Pending& pending, const Adam& adam_settings) {
+/// Gradients and Adam of B blocks of inputs for all outputs.
+template <int B>
+void gradient_blocks(const KernelLayer& layer, int block, const float* delta, const OutputGradient* output,
+                     const Adam& adam_settings) {
   const Adam adam = adam_settings;
   const Arrays arrays(layer);
-  const long input_stride = static_cast<long>(layer.blocks) * lanes;
-  constexpr int entries = B * N;
-  constexpr int samples_per_entry = lanes / entries;
-  if (pending.count != entries) pending.flush(arrays, adam);
-  const bool busy = pending.count == entries;
-  V sums[B][N];
-  ALOFT_UNROLL for (int b = 0; b < B; ++b) {
-    ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[b][n] = V::of(0.0F);
-  }
-  const float* x = layer.input_by_sample + block * lanes;
-  const float* d = delta_by_sample + first;
-  for (int e = 0; e < entries; ++e) {
-    ALOFT_UNROLL for (int s = 0; s < samples_per_entry; ++s) {
-      V xb[B];
-      ALOFT_UNROLL for (int b = 0; b < B; ++b) xb[b] = V::load(x + b * lanes);
-      ALOFT_UNROLL for (int n = 0; n < N; ++n) {
-        const V dn = V::broadcast(d + n);
-        ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b][n] = fma(dn, xb[b], sums[b][n]);
-      }
-      x += input_stride;
-      d += stride;
+  const long block_stride = static_cast<long>(layer.outputs) * lanes;
+  const long sample_stride = static_cast<long>(layer.blocks) * lanes;
+  const float* const inputs = layer.input_by_sample + block * lanes;
+  for (const OutputGradient* const end = output + layer.outputs; output != end; ++output) {
+    V sums[B];
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b] = V::of(0.0F);
+    for (unsigned samples = output->samples; samples != 0; samples &= samples - 1) {
+      const int s = __builtin_ctz(samples);
+      const V d = V::broadcast(delta + output->delta + s);
+      const float* const x = inputs + s * sample_stride;
+      ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b] = fma(d, V::load(x + b * lanes), sums[b]);
     }
-    if (busy) adam_step(arrays, pending.at[e], V::load(pending.gradient + e * lanes), adam);
-  }
-  ALOFT_UNROLL for (int b = 0; b < B; ++b) {
-    ALOFT_UNROLL for (int n = 0; n < N; ++n) {
-      sums[b][n].store(pending.gradient + (b * N + n) * lanes);
-      pending.at[b * N + n] = static_cast<long>(block + b) * layer.outputs * lanes + order[first + n];
-    }
-  }
-  pending.count = entries;
-}
-
-/// All outputs of B blocks: `with_gradient` of them through tiles, the rest have gradient zero.
-template <int B>
-void gradient_blocks(const KernelLayer& layer, const float* delta_by_sample, int stride, int block, const int* order,
-                     int with_gradient, Pending& pending, const Adam& adam) {
-  constexpr int outputs = gradient_outputs;
-  int k = 0;
-  for (; k + outputs <= with_gradient; k += outputs)
-    gradient_tile<B, outputs>(layer, delta_by_sample, stride, block, k, order, pending, adam);
-  for (; k < with_gradient; ++k) gradient_tile<B, 1>(layer, delta_by_sample, stride, block, k, order, pending, adam);
-  for (; k < layer.outputs; ++k) {
-    for (int b = 0; b < B; ++b)
-      adam_step(Arrays(layer), static_cast<long>(block + b) * layer.outputs * lanes + order[k], V::of(0.0F), adam);
+    const long at = block * block_stride + output->weight;
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) adam_step(arrays, at + b * block_stride, sums[b], adam);
   }
 }
 
-void gradient_layer(const KernelLayer& layer, const float* delta_by_sample, int stride, const int* order,
-                    int with_gradient, const Adam& adam) {
-  Pending pending;
+void gradient_layer(const KernelLayer& layer, const float* delta, const OutputGradient* outputs, const Adam& adam) {
   int block = 0;
   for (; block + gradient_block_count <= layer.blocks; block += gradient_block_count)
-    gradient_blocks<gradient_block_count>(layer, delta_by_sample, stride, block, order, with_gradient, pending, adam);
-  for (; block < layer.blocks; ++block)
-    gradient_blocks<1>(layer, delta_by_sample, stride, block, order, with_gradient, pending, adam);
-  pending.flush(Arrays(layer), adam);
+    gradient_blocks<gradient_block_count>(layer, block, delta, outputs, adam);
+  for (; block < layer.blocks; ++block) gradient_blocks<1>(layer, block, delta, outputs, adam);
+}
+
+/// Lists the gradients of a layer's outputs by falling number of samples: so the CPU can foresee how often the loop
+/// over the samples runs. `order`: the outputs; the first `count` of them have a row in `delta`.
+void list_gradients(const KernelLayer& layer, const int* order, int count, const float* delta, OutputGradient* list) {
+  int next[lanes + 2] = {};  // where in the list, by number of samples left out
+  for (int k = 0; k < layer.outputs; ++k) {
+    const unsigned samples = k < count ? nonzero(V::load(delta + k * lanes)) : 0U;
+    ++next[lanes + 1 - __builtin_popcount(samples)];
+  }
+  for (int i = 1; i <= lanes; ++i) next[i + 1] += next[i];
+  for (int k = 0; k < layer.outputs; ++k) {
+    const unsigned samples = k < count ? nonzero(V::load(delta + k * lanes)) : 0U;
+    list[next[lanes - __builtin_popcount(samples)]++] = {order[k], k * lanes, samples};
+  }
 }
 
 /// The order (offsets of rows) in which a layer's outputs are treated: those with a delta (the alive units of the layer
 /// above's input), then the others; returns how many have one. All of the output layer's have.
 int order_outputs(const KernelLayer& layer, const KernelLayer* above, int* order) {
-  if (above == nullptr) {
-    for (int o = 0; o < layer.outputs; ++o) order[o] = o * lanes;
-    return layer.outputs;
-  }
-  const int alive = above->alive_count - 1;
-  int dead = alive;
-  int j = 0;
-  for (int o = 0; o < layer.outputs; ++o) {
-    if (j < alive && above->alive[j].row == o * lanes) {
-      order[j++] = o * lanes;
-    } else {
-      order[dead++] = o * lanes;
-    }
-  }
-  return alive;
+  int with_delta = 0;
+  for (int o = 0; o < layer.outputs; ++o)
+    if (above == nullptr || (above->alive[o / lanes] >> (o % lanes) & 1U) != 0) order[with_delta++] = o * lanes;
+  int next = with_delta;
+  for (int o = 0; o < layer.outputs && next < layer.outputs; ++o)
+    if ((above->alive[o / lanes] >> (o % lanes) & 1U) == 0) order[next++] = o * lanes;
+  return with_delta;
 }
 
 void backward(KernelNetwork& network, const Adam& adam) {
@@ -345,13 +322,8 @@ void backward(KernelNetwork& network, const Adam& adam) {
       for (int i = 0; i < layer.blocks; ++i)
         transpose(layer.input + i * lanes * lanes, lanes, layer.input_by_sample + i * lanes, layer.blocks * lanes);
     }
-    // Outputs without a delta fill up the last tile; their delta is zero.
-    const int padded = (count + gradient_outputs - 1) / gradient_outputs * gradient_outputs;
-    const int with_gradient = padded <= layer.outputs ? padded : count;
-    for (int k = count; k < padded; ++k) V::of(0.0F).store(delta + k * lanes);
-    const int stride = (layer.outputs + lanes - 1) / lanes * lanes;
-    for (int k = 0; k < padded; k += lanes) transpose(delta + k * lanes, lanes, network.delta_by_sample + k, stride);
-    gradient_layer(layer, network.delta_by_sample, stride, network.order, with_gradient, adam);
+    list_gradients(layer, network.order, count, delta, network.gradients);
+    gradient_layer(layer, delta, network.gradients, adam);
     float* const swap = delta;
     delta = below;
     below = swap;

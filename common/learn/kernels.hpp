@@ -16,11 +16,11 @@ enum class Loss : int {
   cross_entropy,  ///< Keras: outputs normalised to sum 1, one-hot targets, clipped to [1e-7, 1 - 1e-7]
 };
 
-/// An input that takes part: offsets in floats, computed once per step because integer arithmetic between the
-/// multiplications costs a fifth of their speed.
-struct AliveInput {
-  int row;     ///< in KernelLayer::input: 16 times the input's number
-  int weight;  ///< in KernelLayer::weights, for output 0
+/// What the weights of one output are changed with.
+struct OutputGradient {
+  int weight;        ///< offset of the output's weights in each block
+  int delta;         ///< offset of its row in KernelNetwork::delta
+  unsigned samples;  ///< bit s: sample s has a delta that is not zero
 };
 
 /// One dense layer. All arrays are aligned to 64 bytes. The bias is the weight of one more input that is always 1.
@@ -34,21 +34,20 @@ struct KernelLayer {
   float* second_moments;   ///< same layout, scaled
   float* input;            ///< [16 * blocks][16 samples]: inputs, a row of ones, zeros
   float* input_by_sample;  ///< [16 samples][16 * blocks]
-  AliveInput* alive;       ///< those not zero in the whole batch, ascending; the row of ones is last
-  int alive_count;
+  unsigned* alive;         ///< [block]: bit i for input i of the block, unless it is zero in the whole batch
 };
 
 struct KernelNetwork {
   int layer_count;
   KernelLayer* layers;
-  float* output;           ///< [output][16 samples]
-  float* slope;            ///< of the output activation, same layout
-  float* targets;          ///< same layout
-  float* counted;          ///< same layout
-  float* delta;            ///< d loss / d sums of a layer: [unit in the layer's order][16 samples]
-  float* delta_below;      ///< of the layer below
-  float* delta_by_sample;  ///< [16 samples][widest layer, rounded up to 16]
-  int* order;              ///< 16 times the numbers of a layer's outputs: those with a gradient first
+  float* output;              ///< [output][16 samples]
+  float* slope;               ///< of the output activation, same layout
+  float* targets;             ///< same layout
+  float* counted;             ///< same layout
+  float* delta;               ///< d loss / d sums of a layer: [unit in the layer's order][16 samples]
+  float* delta_below;         ///< of the layer below
+  int* order;                 ///< 16 times the numbers of a layer's outputs: those with a delta first
+  OutputGradient* gradients;  ///< [output]
 };
 
 struct KernelTraining {
@@ -63,7 +62,7 @@ struct KernelTraining {
 
 /// What every instruction set offers.
 struct Kernels {
-  /// From layers[0].input and its alive rows to output. Rows of later layers' inputs and their alive lists are filled.
+  /// From layers[0].input and its alive bits to output. Rows of later layers' inputs and their alive bits are filled.
   void (*forward)(KernelNetwork& network);
   /// Epochs of forward, backward and Adam on the batch in layers[0].input and input_by_sample. `output` is left as it
   /// was before the last update.

@@ -66,6 +66,13 @@ inline V where_between(V x, V low, V high, V a) {
 inline bool any_positive(V x) {
   return _mm256_movemask_ps(_mm256_or_ps(positive(x.r), positive(x.s))) != 0;
 }
+inline unsigned nonzero(__m256 x) {
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(x, _mm256_setzero_ps(), _CMP_NEQ_UQ)));
+}
+/// Bit s: lane s is not zero (or not a number).
+inline unsigned nonzero(V x) {
+  return nonzero(x.r) | nonzero(x.s) << 8;
+}
 inline __m256 power_of_two(__m256 n) {
   const __m256i exponent = _mm256_add_epi32(_mm256_cvtps_epi32(n), _mm256_set1_epi32(127));
   return _mm256_castsi256_ps(_mm256_slli_epi32(exponent, 23));
@@ -117,8 +124,7 @@ inline void transpose(const float* from, int from_stride, float* to, int to_stri
 constexpr int forward_outputs = 5;
 constexpr int delta_blocks = 1;
 constexpr int delta_samples = 4;
-constexpr int gradient_block_count = 1;
-constexpr int gradient_outputs = 4;
+constexpr int gradient_block_count = 3;
 
 #include "common/learn/kernel_source.hpp"
 

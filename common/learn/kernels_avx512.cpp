@@ -57,6 +57,10 @@ inline V where_between(V x, V low, V high, V a) {
 inline bool any_positive(V x) {
   return _mm512_cmp_ps_mask(x.r, _mm512_setzero_ps(), _CMP_GT_OQ) != 0;
 }
+/// Bit s: lane s is not zero (or not a number).
+inline unsigned nonzero(V x) {
+  return _mm512_cmp_ps_mask(x.r, _mm512_setzero_ps(), _CMP_NEQ_UQ);
+}
 /// 2^n for whole numbers -126 <= n <= 127.
 inline V power_of_two(V n) {
   const __m512i exponent = _mm512_add_epi32(_mm512_cvtps_epi32(n.r), _mm512_set1_epi32(127));
@@ -101,8 +105,7 @@ inline void transpose(const float* from, int from_stride, float* to, int to_stri
 constexpr int forward_outputs = 25;
 constexpr int delta_blocks = 3;
 constexpr int delta_samples = 8;
-constexpr int gradient_block_count = 2;
-constexpr int gradient_outputs = 8;
+constexpr int gradient_block_count = 3;
 
 #include "common/learn/kernel_source.hpp"
 

@@ -2,26 +2,7 @@
 
 #include <immintrin.h>
 
-#include <algorithm>
-#include <chrono>
-
 namespace bench_floor {
-namespace {
-
-constexpr int rounds = 20;
-constexpr long repetitions = 200'000;
-constexpr int chains = 12;  // more than latency times ports
-
-template <typename Run>
-double best_rate(double multiply_adds, Run run) {
-  double best_s = 1e9;
-  for (int round = 0; round < rounds; ++round) {
-    const auto start = std::chrono::steady_clock::now();
-    run();
-    best_s = std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return multiply_adds / best_s;
-}
 
 __attribute__((target("avx2,fma"))) void avx2_loop() {
   __m256 sums[chains];
@@ -45,15 +26,6 @@ __attribute__((target("avx512f"))) void avx512_loop() {
 #pragma GCC unroll 12
     for (__m512& sum : sums) asm volatile("" : "+v"(sum));
   }
-}
-
-}  // namespace
-
-double avx2_multiply_adds_per_s() {
-  return best_rate(8.0 * chains * repetitions, avx2_loop);
-}
-double avx512_multiply_adds_per_s() {
-  return best_rate(16.0 * chains * repetitions, avx512_loop);
 }
 
 }  // namespace bench_floor

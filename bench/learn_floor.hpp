@@ -1,9 +1,14 @@
 #pragma once
 
+// Loops of nothing but multiply-adds: what a core can do at most.
 namespace bench_floor {
 
-/// Multiply-adds per second of one core in a loop that does nothing else: the best of several runs of a few ms.
-double avx2_multiply_adds_per_s();
-double avx512_multiply_adds_per_s();
+/// Multiply-add instructions of one call.
+inline constexpr int chains = 12;  // more than latency times ports
+inline constexpr long repetitions = 20'000;
+inline constexpr double instructions_per_turn = static_cast<double>(chains) * repetitions;
+
+void avx2_loop();    ///< 8 multiply-adds per instruction
+void avx512_loop();  ///< 16
 
 }  // namespace bench_floor

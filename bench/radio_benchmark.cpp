@@ -74,6 +74,12 @@ void se_table_by_window(benchmark::State& state) {
 }
 BENCHMARK(se_table_by_window)->ArgName("window_m")->Arg(3000)->Arg(6000)->Arg(10'000)->Unit(benchmark::kMillisecond);
 
+/// The largest world there is.
+void se_table_largest(benchmark::State& state) {
+  table(state, world_with(300.0, 200.0, 10'000.0));
+}
+BENCHMARK(se_table_largest)->Unit(benchmark::kMillisecond)->Iterations(1);
+
 /// A city and the blocking heights of all its base stations at all route points.
 void city_and_blocking_heights(benchmark::State& state) {
   const Parameters world = world_with(5.0, static_cast<double>(state.range(0)), 3000.0);

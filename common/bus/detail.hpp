@@ -10,7 +10,6 @@
 #include <chrono>
 #include <exception>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
@@ -21,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/neighbourhood.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/topics.hpp"
 
@@ -88,18 +88,6 @@ class CheckedType : public Generated {
 
  private:
   DropCounter& drops_;
-};
-
-/// Notes who else is in the domain; the middleware calls it from its own threads.
-class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
- public:
-  void on_publisher_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
-                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
-  [[nodiscard]] std::vector<std::string> runs() const;
-
- private:
-  mutable std::mutex mutex_;
-  std::map<eprosima::fastrtps::rtps::GUID_t, std::string> runs_;  // by writer
 };
 
 /// Owns the middleware's participant and, made when first needed, one publisher and subscriber per scope and one topic

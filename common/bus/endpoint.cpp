@@ -25,6 +25,13 @@ using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
+std::string not_created(const char* what, const TopicSettings& settings, const BusOptions& options) {
+  return fmt::format("bus: cannot create a {} of {}{}", what, settings.name,
+                     options.secure.empty() ? ""
+                                            : fmt::format(": do the permissions of the role '{}' in {} allow it?",
+                                                          to_text(options.role), options.secure.string()));
+}
+
 constexpr std::chrono::milliseconds heartbeat_period{20};
 constexpr std::chrono::milliseconds max_blocking_time{1000};
 constexpr std::chrono::milliseconds liveliness_lease{500};
@@ -59,23 +66,8 @@ struct TypeSupportOf;
   template <>                         \
   struct TypeSupportOf<wire::T> {     \
     using Type = wire::T##PubSubType; \
-  }
-ALOFT_BUS_TYPE(RunControl);
-ALOFT_BUS_TYPE(TrialAssignment);
-ALOFT_BUS_TYPE(WorkerStatus);
-ALOFT_BUS_TYPE(RunStatus);
-ALOFT_BUS_TYPE(EpisodeRecord);
-ALOFT_BUS_TYPE(EpisodeStored);
-ALOFT_BUS_TYPE(RecordRefused);
-ALOFT_BUS_TYPE(FlightMemory);
-ALOFT_BUS_TYPE(MemoryRequest);
-ALOFT_BUS_TYPE(StoredMemory);
-ALOFT_BUS_TYPE(CollectorStatus);
-ALOFT_BUS_TYPE(World);
-ALOFT_BUS_TYPE(ChannelReport);
-ALOFT_BUS_TYPE(HeightCommand);
-ALOFT_BUS_TYPE(AgentStatus);
-ALOFT_BUS_TYPE(HeightProfile);
+  };
+ALOFT_BUS_TOPICS(ALOFT_BUS_TYPE)
 #undef ALOFT_BUS_TYPE
 
 template <class T>
@@ -110,7 +102,7 @@ Writer<T>::Writer(const Participant& participant, const WriterOptions& options) 
   if (state_->settings.exclusive) qos.ownership_strength().value = options.strength;
   state_->writer = state_->publisher->create_datawriter(entry.topic, qos);
   if (state_->writer == nullptr)
-    throw std::runtime_error(fmt::format("bus: cannot create a writer of {}", state_->settings.name));
+    throw std::runtime_error(not_created("writer", state_->settings, state_->participant->options));
 }
 
 template <class T>
@@ -199,7 +191,7 @@ Reader<T>::Reader(const Participant& participant) : state_(std::make_unique<Stat
   apply(state_->settings, qos);
   state_->reader = state_->subscriber->create_datareader(entry.topic, qos);
   if (state_->reader == nullptr)
-    throw std::runtime_error(fmt::format("bus: cannot create a reader of {}", state_->settings.name));
+    throw std::runtime_error(not_created("reader", state_->settings, state_->participant->options));
   state_->reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
 }
 
@@ -252,23 +244,8 @@ T& Reader<T>::scratch() {
 
 #define ALOFT_BUS_ENDPOINTS(T)    \
   template class Writer<wire::T>; \
-  template class Reader<wire::T>
-ALOFT_BUS_ENDPOINTS(RunControl);
-ALOFT_BUS_ENDPOINTS(TrialAssignment);
-ALOFT_BUS_ENDPOINTS(WorkerStatus);
-ALOFT_BUS_ENDPOINTS(RunStatus);
-ALOFT_BUS_ENDPOINTS(EpisodeRecord);
-ALOFT_BUS_ENDPOINTS(EpisodeStored);
-ALOFT_BUS_ENDPOINTS(RecordRefused);
-ALOFT_BUS_ENDPOINTS(FlightMemory);
-ALOFT_BUS_ENDPOINTS(MemoryRequest);
-ALOFT_BUS_ENDPOINTS(StoredMemory);
-ALOFT_BUS_ENDPOINTS(CollectorStatus);
-ALOFT_BUS_ENDPOINTS(World);
-ALOFT_BUS_ENDPOINTS(ChannelReport);
-ALOFT_BUS_ENDPOINTS(HeightCommand);
-ALOFT_BUS_ENDPOINTS(AgentStatus);
-ALOFT_BUS_ENDPOINTS(HeightProfile);
+  template class Reader<wire::T>;
+ALOFT_BUS_TOPICS(ALOFT_BUS_ENDPOINTS)
 #undef ALOFT_BUS_ENDPOINTS
 
 }  // namespace aloft::bus

@@ -9,12 +9,12 @@
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
 #include "common/bus/detail.hpp"
+#include "common/bus/keys.hpp"
 #include "common/bus/network.hpp"
 #include "common/bus/test_faults.hpp"
 
@@ -26,7 +26,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace {
 
 constexpr int max_domain = 101;
-constexpr std::string_view partition_root = "aloft/";
 constexpr std::size_t max_partition_part = 64;
 constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
 constexpr std::chrono::milliseconds server_ping_period{200};
@@ -37,6 +36,10 @@ constexpr const char* server_prefix = "44.53.00.5f.61.6c.6f.66.74.00.00.01";
 class LogToSpdlog : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
+    if (const std::string refusal = refusal_in_words(entry.message); !refusal.empty()) {
+      spdlog::warn("{}", refusal);
+      return;
+    }
     const auto level = entry.kind == dds::Log::Kind::Error ? spdlog::level::warn : spdlog::level::debug;
     spdlog::log(level, "dds {}: {}", entry.context.category != nullptr ? entry.context.category : "", entry.message);
   }
@@ -86,6 +89,23 @@ void use_discovery_server(const BusOptions& options, dds::WireProtocolConfigQos&
   discovery.m_DiscoveryServers.push_back(server);
 }
 
+/// Authentication, access control and encryption, all with the files of our role. Nothing is left to a default.
+void secure(const KeyFiles& files, dds::DomainParticipantQos& qos) {
+  const auto uri = [](const std::filesystem::path& file) {
+    return "file://" + std::filesystem::absolute(file).string();
+  };
+  auto& properties = qos.properties().properties();
+  properties.emplace_back("dds.sec.auth.plugin", "builtin.PKI-DH");
+  properties.emplace_back("dds.sec.auth.builtin.PKI-DH.identity_ca", uri(files.ca));
+  properties.emplace_back("dds.sec.auth.builtin.PKI-DH.identity_certificate", uri(files.certificate));
+  properties.emplace_back("dds.sec.auth.builtin.PKI-DH.private_key", uri(files.private_key));
+  properties.emplace_back("dds.sec.access.plugin", "builtin.Access-Permissions");
+  properties.emplace_back("dds.sec.access.builtin.Access-Permissions.permissions_ca", uri(files.ca));
+  properties.emplace_back("dds.sec.access.builtin.Access-Permissions.governance", uri(files.governance));
+  properties.emplace_back("dds.sec.access.builtin.Access-Permissions.permissions", uri(files.permissions));
+  properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+}
+
 dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
@@ -126,26 +146,6 @@ std::uint64_t Participant::drops() const {
 
 std::vector<std::string> Participant::runs() const {
   return state_->neighbourhood.runs();
-}
-
-void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
-  const std::lock_guard lock(mutex_);
-  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
-    runs_.erase(info.info.guid());
-    return;
-  }
-  for (const std::string& partition : info.info.m_qos.m_partition.getNames()) {
-    if (partition.rfind(partition_root, 0) != 0) continue;
-    const std::string path = partition.substr(partition_root.size());
-    runs_[info.info.guid()] = path.substr(0, path.find('/'));
-  }
-}
-
-std::vector<std::string> Neighbourhood::runs() const {
-  const std::lock_guard lock(mutex_);
-  std::set<std::string> names;
-  for (const auto& [writer, run] : runs_) names.insert(run);
-  return {names.begin(), names.end()};
 }
 
 Participant::State::State(const BusOptions& wanted) : options(wanted) {

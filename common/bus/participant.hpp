@@ -2,9 +2,12 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "common/bus/topics.hpp"
 
 namespace aloft::bus {
 
@@ -16,8 +19,10 @@ struct BusOptions {
   int domain = 0;               ///< 0..101
   /// IPv4 addresses or names of interfaces to use; loopback only unless the user says otherwise.
   std::vector<std::string> interfaces{"127.0.0.1"};
-  std::string discovery_server{};         ///< "HOST:PORT" of the server that introduces processes; empty: multicast
-  bool serves_discovery = false;          ///< this process is that server
+  std::string discovery_server{};  ///< "HOST:PORT" of the server that introduces processes; empty: multicast
+  bool serves_discovery = false;   ///< this process is that server
+  std::filesystem::path secure{};  ///< folder with the keys (keys.hpp); empty: neither authentication nor encryption
+  Role role = Role::observer;      ///< in a secured run
   std::chrono::milliseconds lease{1000};  ///< a process that is silent for this long is forgotten
 };
 

@@ -1,5 +1,7 @@
 #include "common/bus/topics.hpp"
 
+#include "common/base/error.hpp"
+
 namespace aloft::bus {
 namespace {
 
@@ -7,26 +9,70 @@ namespace {
 constexpr int max_streams = 1024;
 constexpr int max_workers = 1024;
 
+constexpr Roles coordinator = Role::coordinator;
+constexpr Roles metrics = Role::metrics;
+constexpr Roles environment = Role::environment;
+constexpr Roles channel = Role::channel;
+constexpr Roles baseline_agent = Role::baseline_agent;
+constexpr Roles observer = Role::observer;
+constexpr Roles agents = Roles(Role::learning_agent) | baseline_agent;
+constexpr Roles everyone = coordinator | metrics | environment | channel | agents | observer;
+
 }  // namespace
 
 // clang-format off
-//                                                                             name               scope              transient depth  keys         exclusive
-template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      Scope::run,        true,  1,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::TrialAssignment>() noexcept { static constexpr TopicSettings row{"TrialAssignment", Scope::run,        true,  64,   max_workers, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept    { static constexpr TopicSettings row{"WorkerStatus",    Scope::run,        true,  1,    max_workers, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       Scope::run,        true,  1,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   Scope::run,        false, 512,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   Scope::run,        false, 4096, 1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::RecordRefused>() noexcept   { static constexpr TopicSettings row{"RecordRefused",   Scope::run,        false, 64,   1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   Scope::run,        false, 1024, 1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    Scope::run,        false, 64,   1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", Scope::run,        true,  1,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           Scope::worker,     false, 64,   1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   Scope::worker,     false, 8,    max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   Scope::worker,     false, 8,    max_streams, true};  return row; }
-template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     Scope::worker,     true,  1,    max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    Scope::worker,     false, 64,   1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   Scope::privileged, false, 16384, max_streams, false}; return row; }
+//                                                                                                                     name               writers      readers                           scope              tr.loc depth  keys         exclusive
+template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      coordinator, everyone,                         Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::TrialAssignment>() noexcept { static constexpr TopicSettings row{"TrialAssignment", coordinator, environment,                      Scope::run,        true,  64,    max_workers, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept    { static constexpr TopicSettings row{"WorkerStatus",    channel,     coordinator | metrics | observer, Scope::run,        true,  1,     max_workers, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       coordinator, metrics | observer,               Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   channel,     metrics,                          Scope::run,        false, 512,   1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   metrics,     coordinator | channel,            Scope::run,        false, 4096,  1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::RecordRefused>() noexcept   { static constexpr TopicSettings row{"RecordRefused",   metrics,     channel,                          Scope::run,        false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   agents,      metrics,                          Scope::run,        false, 1024,  1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    metrics,     agents,                           Scope::run,        false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", metrics,     coordinator | observer,           Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           environment, channel,                          Scope::worker,     false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   channel,     agents,                           Scope::worker,     false, 8,     max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   agents,      channel,                          Scope::worker,     false, 8,     max_streams, true}; return row; }
+template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     agents,      channel,                          Scope::worker,     true,  1,     max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    agents,      channel,                          Scope::worker,     false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,     baseline_agent,                   Scope::privileged, false, 16384, max_streams, false}; return row; }
 // clang-format on
+
+std::string_view to_text(Role role) noexcept {
+  switch (role) {
+    case Role::coordinator:
+      return "coordinator";
+    case Role::metrics:
+      return "metrics";
+    case Role::environment:
+      return "environment";
+    case Role::channel:
+      return "channel";
+    case Role::learning_agent:
+      return "learning-agent";
+    case Role::baseline_agent:
+      return "baseline-agent";
+    case Role::observer:
+      return "observer";
+  }
+  return "unknown";
+}
+
+Role role_from_text(std::string_view text) {
+  std::string names;
+  for (const Role role : all_roles) {
+    if (text == to_text(role)) return role;
+    names += (names.empty() ? "" : ", ") + std::string(to_text(role));
+  }
+  throw InputError("there is no role '" + std::string(text) + "'; roles: " + names);
+}
+
+std::vector<const TopicSettings*> all_topics() {
+#define ALOFT_BUS_ROW(T) &topic_settings<wire::T>(),
+  return {ALOFT_BUS_TOPICS(ALOFT_BUS_ROW)};
+#undef ALOFT_BUS_ROW
+}
 
 }  // namespace aloft::bus

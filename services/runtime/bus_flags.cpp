@@ -15,6 +15,8 @@ void add_bus_flags(CLI::App& app, bus::BusOptions& options) {
       ->capture_default_str();
   app.add_option("--discovery-server", options.discovery_server,
                  "ADDRESS:PORT of the run's discovery server, where multicast does not reach [multicast]");
+  app.add_option("--secure", options.secure,
+                 "Folder with the keys of this process's role (aloft keys); all processes of a run, or none");
 }
 
 std::vector<std::string> bus_arguments(const bus::BusOptions& options) {
@@ -22,6 +24,7 @@ std::vector<std::string> bus_arguments(const bus::BusOptions& options) {
   for (const std::string& interface : options.interfaces) arguments.insert(arguments.end(), {"--interface", interface});
   if (!options.discovery_server.empty())
     arguments.insert(arguments.end(), {"--discovery-server", options.discovery_server});
+  if (!options.secure.empty()) arguments.insert(arguments.end(), {"--secure", options.secure.string()});
   return arguments;
 }
 

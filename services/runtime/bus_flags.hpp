@@ -8,7 +8,8 @@
 
 namespace aloft::runtime {
 
-/// Declares how a process reaches the others: --domain, --interface, --discovery-server. Every process takes them.
+/// Declares how a process reaches the others: --domain, --interface, --discovery-server, --secure. Every process takes
+/// them.
 void add_bus_flags(CLI::App& app, bus::BusOptions& options);
 
 /// The arguments that put a child process in the same place: the flags above and --run.

@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::size_t log_file_bytes = 16U << 20U;
 constexpr std::size_t log_files = 3;
+constexpr std::string_view program_prefix = "aloft-";
 
 struct CommonOptions {
   bus::BusOptions bus;
@@ -98,6 +99,7 @@ int serve(const CommonOptions& options, const ServiceInfo& info, const std::func
   open_log(options, info);
   Service service{options.bus, stop};
   service.bus.process = info.name;
+  if (!service.bus.secure.empty()) service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
   spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);
   run(service);
   spdlog::info("ends{}", stop.interrupted() ? " because a signal asked" : "");

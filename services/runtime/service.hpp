@@ -14,7 +14,7 @@ namespace aloft::runtime {
 
 /// Facts about one executable.
 struct ServiceInfo {
-  std::string name;         ///< e.g. "aloft-channel"
+  std::string name;         ///< e.g. "aloft-channel": "aloft-" and, in a secured run, its role
   std::string description;  ///< one sentence
   bool in_worker = false;   ///< takes --worker
 };

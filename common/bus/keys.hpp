@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/bus/topics.hpp"
+
+/// The files behind `--secure DIR`: certificates, keys and permissions (DDS Security), made with OpenSSL.
+///
+///     DIR/ca.cert.pem             whom every process trusts; public
+///     DIR/ca.key.pem              issues certificates and permissions; keep it apart, processes do not need it
+///     DIR/governance.p7s          what is encrypted and who must prove who they are: the same for all; public
+///     DIR/ROLE/cert.pem           one process's identity; its organisational unit is the role
+///     DIR/ROLE/key.pem            its private key, mode 0600
+///     DIR/ROLE/permissions.p7s    the topics that it may write and read, from the table in topics.cpp
+namespace aloft::bus {
+
+/// What a process of a secured run shows to the others.
+struct KeyFiles {
+  std::filesystem::path ca;
+  std::filesystem::path certificate;
+  std::filesystem::path private_key;
+  std::filesystem::path governance;
+  std::filesystem::path permissions;
+  std::string authority;  ///< the common name of the CA, which no other has
+};
+
+/// The files of `role` in `dir`, checked: there, readable by nobody else if private, signed by the CA, valid today, and
+/// of this role. InputError names the first file that is not, and what to do.
+[[nodiscard]] KeyFiles check_keys(const std::filesystem::path& dir, Role role);
+
+/// Makes a certificate authority, valid for so many days, and the governance in `dir`, which must not hold one yet
+/// (InputError).
+void init_keys(const std::filesystem::path& dir, int days);
+
+/// Whom an identity is for, and when.
+struct Identity {
+  Role role = Role::observer;
+  std::string name{};  ///< e.g. a host; letters, digits, '.', '_' and '-'
+  int days = 365;      ///< that it is valid
+  int first_day = 0;   ///< counted from now
+};
+
+/// Issues an identity with the authority of `dir` into `out` (`dir` itself, or the folder for another host), over one
+/// that is there. InputError if the authority is missing or has expired.
+void issue_keys(const std::filesystem::path& dir, const Identity& identity, const std::filesystem::path& out);
+
+/// The permissions of an identity as DDS Security writes them; `subject`: of its certificate.
+[[nodiscard]] std::string permissions_xml(const Identity& identity, const std::string& subject);
+
+/// Signs `text` with the authority of `dir`, as governance and permissions must be.
+[[nodiscard]] std::string sign_document(const std::filesystem::path& dir, const std::string& text);
+
+}  // namespace aloft::bus

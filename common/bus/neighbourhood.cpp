@@ -1,0 +1,127 @@
+#include "common/bus/neighbourhood.hpp"
+
+#include <fastrtps/utils/IPLocator.h>
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+#include <spdlog/spdlog.h>
+
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace aloft::bus {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+/// Everybody whom this process has heard of, by the text that the middleware writes for a participant in its log.
+class Acquaintances {
+ public:
+  void meet(const rtps::GuidPrefix_t& participant, std::string name) {
+    const std::lock_guard lock(mutex_);
+    if (known_.size() >= max_known) known_.clear();
+    known_.try_emplace(text(participant), Acquaintance{std::move(name), {}});
+  }
+  std::string name(const std::string& participant) {
+    const std::lock_guard lock(mutex_);
+    const auto at = known_.find(participant);
+    return at == known_.end() ? "somebody who is gone" : at->second.name;
+  }
+  /// Says in the log that somebody is refused, for each reason once.
+  void refuse(const rtps::GuidPrefix_t& participant, const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    const auto at = known_.find(text(participant));
+    if (at == known_.end() || at->second.refused) return;
+    at->second.refused = true;
+    spdlog::warn("refused a participant: {} {}", at->second.name, why);
+  }
+
+ private:
+  struct Acquaintance {
+    std::string name;
+    bool refused = false;
+  };
+  static constexpr std::size_t max_known = 4096;
+
+  static std::string text(const rtps::GuidPrefix_t& participant) {
+    std::ostringstream stream;
+    stream << participant;
+    return stream.str();
+  }
+
+  std::mutex mutex_;
+  std::map<std::string, Acquaintance> known_;
+};
+
+Acquaintances& acquaintances() {
+  static Acquaintances everybody;
+  return everybody;
+}
+
+std::string property(const rtps::IdentityToken& token, const char* name) {
+  const std::string* value = rtps::DataHolderHelper::find_property_value(token, name);
+  return value == nullptr ? "" : *value;
+}
+
+/// "'aloft-channel-w0' at 10.0.0.7", and whose certificate it shows if it shows one. All as it says: nothing is proven.
+std::string introduction(const rtps::ParticipantProxyData& data) {
+  std::string text = fmt::format("'{}'", data.m_participantName.c_str());
+  if (!data.default_locators.unicast.empty())
+    text += " at " + rtps::IPLocator::ip_to_string(data.default_locators.unicast.front());
+  const std::string subject = property(data.identity_token_, "dds.cert.sn");
+  return subject.empty() ? text : fmt::format("{} ({})", text, subject);
+}
+
+}  // namespace
+
+void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participant*/,
+                                             rtps::ParticipantDiscoveryInfo&& info) {
+  if (info.status != rtps::ParticipantDiscoveryInfo::DISCOVERED_PARTICIPANT) return;
+  const rtps::ParticipantProxyData& data = info.info;
+  acquaintances().meet(data.m_guid.guidPrefix, introduction(data));
+  if (authority_.empty()) return;
+  // Which side the middleware tells of a failed handshake depends on which of them began it: so look beforehand.
+  if (data.identity_token_.class_id().empty())
+    acquaintances().refuse(data.m_guid.guidPrefix, "shows no certificate (started without --secure?)");
+  else if (property(data.identity_token_, "dds.ca.sn").find(authority_) == std::string::npos)
+    acquaintances().refuse(data.m_guid.guidPrefix, "shows a certificate of another authority");
+}
+
+void Neighbourhood::onParticipantAuthentication(dds::DomainParticipant* /*participant*/,
+                                                rtps::ParticipantAuthenticationInfo&& info) {
+  if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
+    acquaintances().refuse(info.guid.guidPrefix,
+                           "cannot prove who it is, or its certificate or permissions are not valid");
+}
+
+void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
+  const std::lock_guard lock(mutex_);
+  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+    runs_.erase(info.info.guid());
+    return;
+  }
+  for (const std::string& partition : info.info.m_qos.m_partition.getNames()) {
+    if (partition.rfind(partition_root, 0) != 0) continue;
+    const std::string path = partition.substr(partition_root.size());
+    runs_[info.info.guid()] = path.substr(0, path.find('/'));
+  }
+}
+
+std::vector<std::string> Neighbourhood::runs() const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> names;
+  for (const auto& [writer, run] : runs_) names.insert(run);
+  return {names.begin(), names.end()};
+}
+
+std::string refusal_in_words(const std::string& message) {
+  static const std::regex pattern(R"(Error checking create remote (writer|reader) ([0-9a-f.]+)\|\S+ \((\S+) topic )");
+  std::smatch found;
+  if (!std::regex_search(message, found, pattern)) return "";
+  return fmt::format("refused to let {} {} {}: not among the permissions of its certificate",
+                     acquaintances().name(found[2]), found[1] == "writer" ? "write" : "read", found[3].str());
+}
+
+}  // namespace aloft::bus

@@ -1,0 +1,43 @@
+#pragma once
+
+// Inside common/bus only: who else is in the domain.
+
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace aloft::bus {
+
+/// Notes who else is there; the middleware calls it from its own threads. In a secured run it names in the log whom the
+/// middleware refuses, once each.
+class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
+ public:
+  /// Whose certificates are taken (KeyFiles::authority); empty: the run is not secured.
+  void expect_authority(std::string name) { authority_ = std::move(name); }
+  /// Names of the runs of which a writer is known, sorted.
+  [[nodiscard]] std::vector<std::string> runs() const;
+
+  void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
+                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
+  void onParticipantAuthentication(eprosima::fastdds::dds::DomainParticipant* participant,
+                                   eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override;
+  void on_publisher_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+
+ private:
+  std::string authority_;
+  mutable std::mutex mutex_;
+  std::map<eprosima::fastrtps::rtps::GUID_t, std::string> runs_;  // by writer
+};
+
+/// The partition of a run begins with it.
+inline constexpr std::string_view partition_root = "aloft/";
+
+/// What a message of the middleware says about a topic that a participant may not use, in words that name it; empty if
+/// the message is about something else. The middleware tells of such refusals by its log alone.
+[[nodiscard]] std::string refusal_in_words(const std::string& message);
+
+}  // namespace aloft::bus

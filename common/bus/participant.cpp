@@ -155,8 +155,20 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
   check_name("worker", options.worker);
   for (std::string& interface : options.interfaces) interface = local_address(interface);
   prepare_middleware();
+  dds::DomainParticipantQos qos = participant_qos(options);
+  if (!options.secure.empty()) {
+    // A secured participant's address on the wire comes from its certificate, a server's is fixed.
+    if (!options.discovery_server.empty())
+      throw InputError(
+          "--secure and --discovery-server cannot be combined: use multicast on a network of the run's own, or leave "
+          "one "
+          "of them out");
+    const KeyFiles files = check_keys(options.secure, options.role);
+    neighbourhood.expect_authority(files.authority);
+    secure(files, qos);
+  }
   participant = dds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(options.domain), participant_qos(options), &neighbourhood, dds::StatusMask::none());
+      static_cast<std::uint32_t>(options.domain), qos, &neighbourhood, dds::StatusMask::none());
   if (participant == nullptr)
     throw std::runtime_error(fmt::format(
         "cannot join DDS domain {} on {}: is a UDP port free? (about 100 processes fit in a domain; try another "

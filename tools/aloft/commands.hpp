@@ -25,6 +25,7 @@ void add_import_rdata(CLI::App& app, Job& job);
 void add_inspect(CLI::App& app, Job& job);
 void add_status(CLI::App& app, Job& job);
 void add_keys(CLI::App& app, Job& job);
+void add_doctor(CLI::App& app, Job& job);
 void add_train(CLI::App& app, Job& job);
 
 /// An experiment file and what the command line changes in it.

@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   add_run(app, job);
   add_reproduce(app, job);
   add_status(app, job);
+  add_doctor(app, job);
   add_keys(app, job);
   add_validate(app, job);
   add_agents(app, job);

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
+#include "services/runtime/bus_flags.hpp"
 #include "services/status/run_view.hpp"
 #include "tools/aloft/commands.hpp"
 
@@ -174,7 +175,7 @@ void add_status(CLI::App& app, Job& job) {
   options->bus.run.clear();
   options->bus.process = "aloft-status";
   command->add_option("--run", options->bus.run, "Name of the run [all that are there]");
-  command->add_option("--domain", options->bus.domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
+  runtime::add_bus_flags(*command, options->bus);
   command->add_flag("--watch", options->watch, "Go on until Ctrl-C: redraws a terminal, else prints a line every 5 s");
   command->add_option("--wait", options->wait_s, "Seconds to wait for the first news")
       ->check(CLI::Range(0.1, 600.0))

@@ -1,0 +1,292 @@
+// A secured run of real processes: it flies the same bytes, and whoever does not belong to it reads and writes nothing
+// and is named in the log of those who do.
+#include <signal.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "common/bus/endpoint.hpp"
+#include "common/bus/keys.hpp"
+#include "tests/integration/command.hpp"
+
+using namespace aloft;
+using namespace aloft::test;
+using namespace std::chrono_literals;
+using bus::Role;
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+void make_all_keys(const fs::path& dir) {
+  bus::init_keys(dir, 10);
+  for (const Role role : bus::all_roles)
+    bus::issue_keys(dir, {.role = role, .name = std::string(bus::to_text(role))}, dir);
+}
+
+template <class Done>
+bool within(std::chrono::milliseconds limit, Done done) {
+  const auto end = std::chrono::steady_clock::now() + limit * slowdown;
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(20ms);
+  }
+  return true;
+}
+
+/// Longer than friends need to meet and hear what there is.
+constexpr auto patience = 2500ms;
+
+/// A run that goes on until the test ends it, and somebody who is welcome in it.
+class SecuredRun {
+ public:
+  SecuredRun() {
+    make_all_keys(keys());
+    write_text(scratch_ / "endless.json", R"({"name": "endless", "seed": 1, "trials": 50000,
+      "world": {"kind": "generated", "bs_density_per_km2": 1, "steps": 100}, "agents": ["min-height", "random-walk"]})");
+    run_.emplace(std::vector<std::string>{"aloft", "run", (scratch_ / "endless.json").string(), "--workers", "1",
+                                          "--run", place.run, "--domain", test_domain(), "--out",
+                                          (scratch_ / "out").string(), "--secure", keys().string()});
+    REQUIRE(within(40s, [&] { return flights_stored() > 0; }));
+  }
+  ~SecuredRun() {
+    run_->send(SIGTERM);
+    (void)within(10s, [&] { return !run_->running(); });
+  }
+
+  [[nodiscard]] fs::path keys() const { return scratch_ / "keys"; }
+  [[nodiscard]] fs::path scratch(const std::string& name) const { return scratch_ / name; }
+  [[nodiscard]] std::string log(const std::string& process) const {
+    return read_text(scratch_ / "out" / "log" / (process + ".log"));
+  }
+  [[nodiscard]] bus::BusOptions as(Role role, const fs::path& dir) const {
+    bus::BusOptions options = place;
+    options.secure = dir;
+    options.role = role;
+    return options;
+  }
+  /// As an observer with keys of the run hears it.
+  [[nodiscard]] std::uint64_t flights_stored() const {
+    const Finished status = run_command({"aloft", "status", "--run", place.run, "--domain", test_domain(), "--secure",
+                                         keys().string(), "--format", "json"});
+    const auto json = nlohmann::json::parse(status.out);
+    return json["runs"].empty() ? 0 : json["runs"][0]["flights_stored"].get<std::uint64_t>();
+  }
+  [[nodiscard]] bool goes_on() const {
+    const std::uint64_t before = flights_stored();
+    return within(30s, [&] { return flights_stored() > before; });
+  }
+
+  bus::BusOptions place{.run = "secured-" + std::to_string(getpid()),
+                        .worker = "",
+                        .process = "intruder",
+                        .domain = std::stoi(test_domain())};
+
+ private:
+  ScratchDir scratch_;
+  std::optional<Command> run_;
+};
+
+wire::RunControl order_to_stop() {
+  wire::RunControl control;
+  control.state(wire::RUN_FINISHED);
+  return control;
+}
+
+wire::TrialAssignment false_assignment() {
+  wire::TrialAssignment assignment;
+  assignment.worker("w0");
+  assignment.lease_id(4711);
+  assignment.agents().emplace_back("min-height");
+  return assignment;
+}
+
+/// Gives the holder of keys in `dir` permissions of the test's making, signed by the authority in `authority`.
+void permit(const fs::path& authority, const fs::path& dir, Role role, const std::string& name,
+            const std::string& rules) {
+  const std::string unit(bus::to_text(role));
+  std::string text = bus::permissions_xml({.role = role, .name = name}, "CN=" + name + ",OU=" + unit + ",O=Aloft");
+  const std::size_t first = text.find("<allow_rule>");
+  text.replace(first, text.find("<default>") - first, rules);
+  write_text(dir / unit / "permissions.p7s", bus::sign_document(authority, text));
+}
+
+std::string rule(const std::string& domains, const std::string& topics) {
+  const std::string what = "<topics>" + topics + "</topics><partitions><partition>aloft/*</partition></partitions>";
+  return "<allow_rule><domains>" + domains + "</domains><publish>" + what + "</publish><subscribe>" + what +
+         "</subscribe></allow_rule>";
+}
+
+constexpr const char* everywhere = "<id_range><min>0</min><max>101</max></id_range>";
+
+/// Tells everybody to stop, which would end the run, and listens to what there is to hear.
+void intrude(const bus::BusOptions& writing, const bus::BusOptions& reading) {
+  const bus::Participant first(writing);
+  const bus::Participant second(reading);
+  bus::Writer<wire::RunControl> control(first);
+  bus::Writer<wire::TrialAssignment> assignments(first);
+  bus::Reader<wire::WorkerStatus> workers(second);
+  bus::Reader<wire::TrialAssignment> overheard(second);
+  wire::WorkerStatus worker;
+  wire::TrialAssignment assignment;
+  CHECK_FALSE(within(patience, [&] {
+    control.write(order_to_stop());
+    assignments.write(false_assignment());
+    return workers.take(worker) || overheard.take(assignment);
+  }));
+}
+
+/// Once as somebody who only writes to the run, once as somebody who only reads: two intruders would hear each other.
+void intrude_both_ways(const bus::BusOptions& intruder) {
+  bus::BusOptions elsewhere = intruder;
+  elsewhere.run += ".other";
+  intrude(intruder, elsewhere);
+  intrude(elsewhere, intruder);
+}
+
+}  // namespace
+
+TEST_CASE("a secured run flies the same bytes as an unsecured one") {
+  const ScratchDir scratch;
+  make_all_keys(scratch / "keys");
+  write_text(scratch / "experiment.json", R"({"name": "secured", "seed": 11, "trials": 3,
+    "world": {"kind": "generated", "bs_density_per_km2": [1, 5], "steps": 30},
+    "agents": ["min-height", "one-step-ahead", "optimal-height", "planner", {"type": "dqn", "epochs": 5},
+               {"type": "dqn", "name": "lifelong", "epochs": 2, "hidden_width": 16, "memory": "lifelong"}]})");
+  const auto digest = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> command{"aloft",
+                                     "run",
+                                     (scratch / "experiment.json").string(),
+                                     "--workers",
+                                     "2",
+                                     "--out",
+                                     (scratch / name).string(),
+                                     "--domain",
+                                     test_domain()};
+    command.insert(command.end(), more.begin(), more.end());
+    const Finished finished = run_command(command, 120s);
+    INFO(finished.err);
+    CHECK(finished.exit_code == 0);
+    return run_command({"aloft", "digest", (scratch / name).string()}).out;
+  };
+  const std::string reference = digest("in-process", {"--in-process"});
+  CHECK(reference.size() == 65);
+  CHECK(digest("secured", {"--secure", (scratch / "keys").string()}) == reference);
+}
+
+TEST_CASE("an order to stop ends an unsecured run: what intruders try does work where nothing is secured") {
+  ScratchDir scratch;
+  bus::BusOptions place{.run = "open-" + std::to_string(getpid()),
+                        .worker = "",
+                        .process = "intruder",
+                        .domain = std::stoi(test_domain())};
+  Command environment({"aloft-environment", "--run", place.run, "--domain", test_domain(), "--worker", "w0"});
+  const bus::Participant participant(place);
+  bus::Writer<wire::RunControl> control(participant);
+  CHECK(within(20s, [&] {
+    control.write(order_to_stop());
+    return !environment.running();
+  }));
+}
+
+TEST_CASE("intruders read and write nothing, and are named") {
+  const SecuredRun run;
+  const auto log_of_all = [&] {
+    return run.log("aloft-coordinator") + run.log("aloft-environment-w0") + run.log("aloft-channel-w0");
+  };
+  {
+    INFO("without keys");
+    bus::BusOptions unknown = run.place;
+    unknown.process = "unknown";
+    intrude_both_ways(unknown);
+    for (const char* log : {"aloft-coordinator", "aloft-environment-w0", "aloft-channel-w0", "aloft-metrics"})
+      CHECK_THAT(run.log(log), Contains("refused a participant: 'unknown' at 127.0.0.1 shows no certificate"));
+  }
+  {
+    INFO("with keys of another authority, which allows everything");
+    const fs::path foreign = run.scratch("foreign");
+    make_all_keys(foreign);
+    permit(foreign, foreign, Role::coordinator, "coordinator", rule(everywhere, "<topic>*</topic>"));
+    bus::BusOptions foreigner = run.as(Role::coordinator, foreign);
+    foreigner.process = "foreigner";
+    intrude_both_ways(foreigner);
+    for (const char* log : {"aloft-coordinator", "aloft-environment-w0", "aloft-channel-w0", "aloft-metrics"})
+      CHECK_THAT(run.log(log), Contains("refused a participant: 'foreigner' at 127.0.0.1") &&
+                                   Contains("shows a certificate of another authority"));
+  }
+  {
+    INFO("with the keys of an agent");
+    const bus::Participant agent(run.as(Role::learning_agent, run.keys()));
+    CHECK_THROWS_WITH(bus::Writer<wire::TrialAssignment>(agent),
+                      Contains("TrialAssignment") && Contains("'learning-agent'"));
+    CHECK_THROWS_WITH(bus::Reader<wire::WorkerStatus>(agent), Contains("WorkerStatus") && Contains("'learning-agent'"));
+  }
+  {
+    INFO("with the keys of an agent, and a middleware that does not mind");
+    // The middleware looks at its own process's topics alone, but at those of others for the domain too. So permissions
+    // for another domain stand for a program that has been tampered with.
+    const fs::path keys = run.scratch("agent");
+    bus::issue_keys(run.keys(), {.role = Role::learning_agent, .name = "mallory"}, keys);
+    permit(run.keys(), keys, Role::learning_agent, "mallory",
+           rule("<id>" + test_domain() + "</id>", "<topic>HeightCommand</topic>") +
+               rule("<id>101</id>", "<topic>*</topic>"));
+    bus::BusOptions agent = run.as(Role::learning_agent, keys);
+    agent.process = "tampered";
+    intrude_both_ways(agent);
+    CHECK_THAT(run.log("aloft-environment-w0"),
+               Contains("refused to let 'tampered' at 127.0.0.1") && Contains("write TrialAssignment"));
+    CHECK_THAT(run.log("aloft-coordinator"), Contains("read TrialAssignment"));
+    CHECK_THAT(run.log("aloft-channel-w0"), Contains("read WorkerStatus") && Contains("write RunControl"));
+  }
+  CHECK_THAT(log_of_all(), !Contains("is over"));
+  CHECK(run.goes_on());
+}
+
+TEST_CASE("a process does not start with keys that it should not use") {
+  const ScratchDir scratch;
+  const fs::path keys = scratch / "keys";
+  make_all_keys(keys);
+  const std::string experiment = "data/experiments/quick.json";
+  fs::permissions(keys / "channel" / "key.pem", fs::perms(0644));
+  const std::vector<std::vector<std::string>> commands{
+      {"aloft-channel", "--worker", "w0", "--secure", keys.string()},
+      {"aloft", "run", experiment, "--out", (scratch / "out").string(), "--secure", keys.string()}};
+  for (std::vector<std::string> command : commands) {
+    const std::string program = command.front();
+    INFO(program);
+    command.insert(command.end(), {"--domain", test_domain()});
+    const Finished finished = run_command(command);
+    CHECK(finished.exit_code == 2);
+    CHECK_THAT(finished.err, Contains("channel/key.pem: other users may read this private key (mode 644); chmod 600"));
+  }
+  const Finished missing = run_command({"aloft", "status", "--secure", (scratch / "nowhere").string()});
+  CHECK(missing.exit_code == 2);
+  CHECK_THAT(missing.err, Contains("nowhere: there is no such folder") && Contains("aloft keys init"));
+}
+
+TEST_CASE("aloft keys makes what --secure takes") {
+  const ScratchDir scratch;
+  const std::string dir = (scratch / "keys").string();
+  CHECK(run_command({"aloft", "keys", "init", dir}).exit_code == 0);
+  const Finished issued = run_command({"aloft", "keys", "issue", dir, "channel", "learning-agent", "--name", "alpha",
+                                       "--out", (scratch / "alpha").string()});
+  CHECK(issued.exit_code == 0);
+  CHECK_NOTHROW(bus::check_keys(scratch / "alpha", Role::channel));
+  CHECK_NOTHROW(bus::check_keys(scratch / "alpha", Role::learning_agent));
+  CHECK(run_command({"aloft", "keys", "issue", dir, "all"}).exit_code == 0);
+  for (const Role role : bus::all_roles) CHECK_NOTHROW(bus::check_keys(dir, role));
+
+  const Finished again = run_command({"aloft", "keys", "init", dir});
+  CHECK(again.exit_code == 2);
+  CHECK_THAT(again.err, Contains("holds an authority already"));
+  const Finished pilot = run_command({"aloft", "keys", "issue", dir, "pilot"});
+  CHECK(pilot.exit_code == 2);
+  CHECK_THAT(pilot.err, Contains("there is no role 'pilot'") && Contains("learning-agent"));
+  CHECK(run_command({"aloft", "keys", "issue", dir, "channel", "--name", "a b"}).exit_code == 2);
+  CHECK(run_command({"aloft", "keys", "issue", (scratch / "none").string(), "channel"}).exit_code == 2);
+}

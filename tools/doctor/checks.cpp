@@ -158,6 +158,7 @@ Finding check_discovery(const bus::BusOptions& place) {
   try {
     bus::BusOptions options = place;
     options.run = fmt::format("doctor.{}", getpid());
+    options.secure.clear();  // about the network alone
     const bus::Participant first(options);
     const bus::Participant second(options);
     bus::Reader<wire::RunStatus> reader(second);

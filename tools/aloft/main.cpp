@@ -1,4 +1,6 @@
 #include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <cstdio>
 
@@ -43,6 +45,10 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
 
 int main(int argc, char** argv) {
   using namespace aloft::cli;
+  // Standard output is for results.
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("aloft", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  spdlog::set_pattern("%n: %^%l%$: %v");
   CLI::App app{
       "Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.",
       "aloft"};

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -102,10 +101,11 @@ std::string dump(const Json& json, int indent) {
 std::string nobody(const StatusOptions& options) {
   return fmt::format(
       "{} in domain {} on {}: nobody published RunStatus or WorkerStatus within {:g} s. Is it running, in another "
-      "--domain{}?",
+      "--domain{}{}?",
       options.any_run ? "no run" : fmt::format("no run '{}'", options.bus.run), options.bus.domain,
       fmt::join(options.bus.interfaces, ", "), options.wait_s,
-      options.any_run ? "" : ", under another name (aloft status without --run lists all)");
+      options.any_run ? "" : ", under another name (aloft status without --run lists all)",
+      options.bus.secure.empty() ? ", secured (--secure)" : ", secured by another authority");
 }
 
 /// What to show now, `first`: for the first time. Empty: nothing yet.
@@ -158,9 +158,6 @@ int once(const StatusOptions& options, Observer& observer, bus::StopSignal& stop
 
 int show_status(const StatusOptions& options) {
   bus::StopSignal stop;  // before any other thread
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("aloft status", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
-  spdlog::set_pattern("%n: %v");
   spdlog::set_level(spdlog::level::err);
   Observer observer(options);
   return options.watch ? watch(options, observer, stop) : once(options, observer, stop);

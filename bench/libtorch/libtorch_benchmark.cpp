@@ -23,7 +23,7 @@ namespace learn = aloft::learn;
 
 constexpr std::int64_t batch = 16;
 constexpr std::size_t steps_per_turn = 10;
-constexpr int turns = 300;
+constexpr int turns = 150;
 constexpr std::size_t minibatches = 4;
 
 const learn::AdamSettings adam;
@@ -187,17 +187,17 @@ class Tuned {
   std::size_t steps_ = 0;
 };
 
-/// All must have learned the same: the first steps are not yet chaotic.
+/// All must have learned the same, within what the place of Adam's epsilon makes: before or after the bias correction.
 void check_losses(std::vector<Contender>& contenders) {
   std::vector<double> losses;
-  for (Contender& contender : contenders) losses.push_back(contender.train(0, 20));
+  for (Contender& contender : contenders) losses.push_back(contender.train(0, 5));
   for (std::size_t i = 0; i < losses.size(); ++i) {
-    if (std::fabs(losses[i] - losses[0]) <= 1e-3 * losses[0]) continue;
-    fmt::print(stderr, "{} has loss {} after 20 steps, {} has {}: they do not compute the same\n", contenders[i].name,
+    if (std::fabs(losses[i] - losses[0]) <= 1e-2 * losses[0]) continue;
+    fmt::print(stderr, "{} has loss {} after 5 steps, {} has {}: they do not compute the same\n", contenders[i].name,
                losses[i], contenders[0].name, losses[0]);
     std::exit(1);
   }
-  fmt::print("loss after 20 steps: {:.4f} with all of them\n", losses[0]);
+  fmt::print("loss after 5 steps: {:.4f} with all of them\n", losses[0]);
 }
 
 }  // namespace

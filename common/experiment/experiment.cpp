@@ -76,6 +76,8 @@ void read_settings(const OrderedJson& document, Experiment& experiment) {
   experiment.trials = static_cast<std::uint32_t>(settings.integer("trials"));
   experiment.on_agent_loss = settings.text("on_agent_loss") == "restart" ? OnAgentLoss::restart : OnAgentLoss::failover;
   experiment.max_attempts = static_cast<std::uint32_t>(settings.integer("max_attempts"));
+  experiment.costs = {settings.number("speed_m_per_s"), settings.number("energy_weight"),
+                      settings.number("handover_cost")};
 }
 
 std::vector<agents::AgentSpec> agents_of(const OrderedJson& document) {
@@ -152,6 +154,9 @@ Json canonical_form(const Experiment& experiment) {
           {"trials", experiment.trials},
           {"on_agent_loss", experiment.on_agent_loss == OnAgentLoss::restart ? "restart" : "failover"},
           {"max_attempts", experiment.max_attempts},
+          {"speed_m_per_s", experiment.costs.speed_m_per_s},
+          {"energy_weight", experiment.costs.energy_weight},
+          {"handover_cost", experiment.costs.handover_cost},
           {"worlds", std::move(worlds)},
           {"agents", std::move(agent_list)}};
 }

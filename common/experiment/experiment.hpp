@@ -11,6 +11,7 @@
 
 #include "common/agents/registry.hpp"
 #include "common/base/parameters.hpp"
+#include "common/flight/energy.hpp"
 
 namespace aloft::experiment {
 
@@ -37,6 +38,7 @@ struct Experiment {
   std::uint32_t trials = 0;  ///< per condition
   OnAgentLoss on_agent_loss = OnAgentLoss::restart;
   std::uint32_t max_attempts = 3;
+  flight::Costs costs;
   std::vector<Condition> conditions;
   std::vector<agents::AgentSpec> agents;
   /// Canonical form: every default filled in, keys sorted. Parsing it again gives an equal experiment.

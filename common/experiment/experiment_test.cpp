@@ -159,10 +159,18 @@ TEST_CASE("ids ignore what cannot change a result, and nothing else") {
                                         parsed(R"("world": {})", R"("seed": 2, )").id,
                                         parsed(R"("world": {})", R"("on_agent_loss": "failover", )").id,
                                         parsed(R"("world": {"bs_density_per_km2": 2.6})").id,
+                                        parsed(R"("world": {})", R"("energy_weight": 0.1, )").id,
+                                        parsed(R"("world": {})", R"("handover_cost": 2, )").id,
+                                        parsed(R"("world": {})", R"("speed_m_per_s": 15, )").id,
                                         parsed(R"("world": {})", "", {.trials = 3}).id,
                                         parsed(R"("world": {})", "", {.agents = {"min-height"}}).id,
                                         parsed(R"("world": {})", "", {.agents = {"constant-120", "min-height"}}).id};
-  CHECK(different.size() == 7);
+  CHECK(different.size() == 10);
+
+  // Results from before there were costs keep their identity.
+  nlohmann::json before = parsed(R"("world": {})").canonical;
+  for (const char* key : {"energy_weight", "handover_cost", "speed_m_per_s"}) REQUIRE(before.erase(key) == 1);
+  CHECK(id_of(before) == parsed(R"("world": {})").id);
 }
 
 TEST_CASE("the first difference of two experiments is named") {

@@ -11,7 +11,7 @@ namespace aloft::experiment {
 
 inline constexpr std::uint64_t default_seed = 1;
 
-/// The entries of an experiment file that are plain parameters: name, description, trials, on_agent_loss, max_attempts.
+/// The entries of an experiment file that are plain parameters: name, trials, energy_weight, ...
 [[nodiscard]] std::span<const ParameterSpec> file_settings();
 
 /// Every key that an experiment file may have.

@@ -2,19 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "common/base/digest.hpp"
+#include "common/experiment/file_keys.hpp"
 
 namespace aloft::experiment {
 namespace {
 
 using Json = nlohmann::json;
 
+/// Settings that came after the first results were stored: at their defaults they change nothing.
+constexpr std::array later_settings{"speed_m_per_s", "energy_weight", "handover_cost"};
+
 /// What cannot change a result is left out: a file counts by its SHA-256.
 Json identity(const Json& canonical) {
   Json rest = canonical;
   rest.erase("description");
+  for (const ParameterSpec& setting : file_settings())
+    if (std::find(later_settings.begin(), later_settings.end(), setting.name) != later_settings.end() &&
+        rest.value(setting.name, 0.0) == std::get<double>(setting.default_value))
+      rest.erase(setting.name);
   for (Json& world : rest.at("worlds"))
     for (const char* key : {"file", "name", "swept"}) world.erase(key);
   return rest;

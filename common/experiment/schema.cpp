@@ -6,6 +6,7 @@
 #include "common/experiment/conditions.hpp"
 #include "common/experiment/file_keys.hpp"
 #include "common/experiment/world_parameters.hpp"
+#include "common/flight/energy.hpp"
 #include "common/radio/generated_world.hpp"
 
 namespace aloft::experiment {
@@ -108,6 +109,11 @@ std::span<const ParameterSpec> file_settings() {
       choice_parameter("on_agent_loss", "restart", {"restart", "failover"},
                        "When an agent is lost: fly again from the start, or let the next agent take over."),
       integer_parameter("max_attempts", 3, 1, 100, "How often a trial that fails is tried."),
+      number_parameter("speed_m_per_s", flight::Costs{}.speed_m_per_s, 1, 40,
+                       "Of the UAV over ground, for its energy; a step is 10 m of route."),
+      number_parameter("energy_weight", 0, 0, 1e4, "Taken off the reward per joule, in bit/s/Hz or kbit/s."),
+      number_parameter("handover_cost", 0, 0, 1e6,
+                       "Taken off the reward per change of serving cell, in bit/s/Hz or kbit/s."),
   };
   return table;
 }

@@ -41,7 +41,7 @@ TEST_CASE("the schema accepts what the shipped experiments hold, and their resol
   for (const auto& entry : std::filesystem::directory_iterator(source_dir / "data/experiments")) {
     INFO(entry.path());
     CHECK(schema_errors(Json::parse(read_text_file(entry.path()))).empty());
-    CHECK(schema_errors(load(entry.path()).canonical).empty());
+    CHECK(schema_errors(load(entry.path()).canonical) == std::vector<std::string>{});
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "common/experiment/statistics.hpp"
@@ -17,6 +18,8 @@ struct Sample {
   std::vector<double> qos;
   std::vector<double> height_m;
   std::vector<double> height_changes;
+  std::vector<double> energy_j;
+  std::vector<double> handovers;  // NaN: unknown
 };
 
 using SamplesByAgent = std::map<std::string, Sample, std::less<>>;
@@ -29,6 +32,8 @@ std::vector<SamplesByAgent> sorted_into_conditions(const Experiment& experiment,
     sample.qos.push_back(score.qos_mean);
     sample.height_m.push_back(score.height_mean_m);
     sample.height_changes.push_back(score.height_changes);
+    sample.energy_j.push_back(score.energy_j);
+    sample.handovers.push_back(score.handovers ? *score.handovers : std::numeric_limits<double>::quiet_NaN());
   }
   return conditions;
 }
@@ -100,6 +105,8 @@ OrderedJson agent_summary(const Sample& sample, const Intervals& intervals, std:
           {"qos_q75", number(quantile(sample.qos, 0.75))},
           {"height_mean_m", number(mean(sample.height_m))},
           {"height_changes_mean", number(mean(sample.height_changes))},
+          {"handovers_mean", number(mean(sample.handovers))},
+          {"energy_mean_j", number(mean(sample.energy_j))},
           {"gain_over_min_height_mean", number(mean(intervals.sample(gain)))},
           {"gain_over_min_height_ci95", pair_of(intervals.interval(gain))}};
 }

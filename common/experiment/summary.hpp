@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,8 @@ struct FlightScore {
   double qos_mean = 0.0;  ///< bit/s/Hz or kbit/s
   double height_mean_m = 0.0;
   std::uint32_t height_changes = 0;
+  double energy_j = 0.0;
+  std::optional<std::uint32_t> handovers{};  ///< none: unknown
 };
 
 /// "bit/s/Hz" (generated) or "kbit/s" (measured).

@@ -25,9 +25,13 @@ Experiment two_conditions() {
 
 std::vector<FlightScore> some_scores() {
   return {
-      {{0, 0, "dqn"}, 5.0, 60.0, 10},          {{0, 0, "min-height"}, 4.0, 40.0, 0}, {{0, 1, "dqn"}, 9.0, 80.0, 20},
-      {{0, 1, "min-height"}, 6.0, 40.0, 0},    {{0, 2, "dqn"}, 100.0, 100.0, 30},  // whose min-height flight is missing
-      {{0, 3, "min-height"}, 1000.0, 40.0, 0}, {{1, 0, "dqn"}, 41234.0, 60.0, 1}};
+      {{0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4},
+      {{0, 0, "min-height"}, 4.0, 40.0, 0},
+      {{0, 1, "dqn"}, 9.0, 80.0, 20, 16e3, 5},
+      {{0, 1, "min-height"}, 6.0, 40.0, 0},
+      {{0, 2, "dqn"}, 100.0, 100.0, 30, 20e3, 9},  // whose min-height flight is missing
+      {{0, 3, "min-height"}, 1000.0, 40.0, 0},
+      {{1, 0, "dqn"}, 41234.0, 60.0, 1, 21e3}};
 }
 
 }  // namespace
@@ -54,6 +58,8 @@ TEST_CASE("a summary gives every statistic of every agent, by hand") {
   CHECK(dqn["qos_q75"] == 54.5);
   CHECK(dqn["height_mean_m"] == 80.0);
   CHECK(dqn["height_changes_mean"] == 20.0);
+  CHECK(dqn["energy_mean_j"] == 17e3);
+  CHECK(dqn["handovers_mean"] == 6.0);
   CHECK(dqn["qos_ci95"][0] == 5.0);  // 27 resamples, each extreme has 1/27 > 2.5 %
   CHECK(dqn["qos_ci95"][1] == 100.0);
   // Paired on trials 0 and 1 alone: gains 1 and 3.
@@ -76,6 +82,7 @@ TEST_CASE("what was not flown is null, never zero") {
   CHECK(missing["trials"] == 0);
   CHECK(missing["qos_mean"].is_null());
   CHECK(missing["qos_ci95"].is_null());
+  CHECK(measured["agents"]["dqn"]["handovers_mean"].is_null());  // the cells are unknown
   CHECK(measured["agents"]["dqn"]["gain_over_min_height_mean"].is_null());
   CHECK(measured["agents"]["dqn"]["gain_over_min_height_ci95"].is_null());
 }
@@ -92,7 +99,7 @@ TEST_CASE("the CSV has one line per condition and agent") {
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 5);
   CHECK_THAT(csv, Contains("\nbs_density_per_km2=1,min-height,bit/s/Hz,3,"));
   CHECK_THAT(csv, Contains("\n\"canal, \"\"real\"\"\",dqn,kbit/s,1,41234.0,41234.0,41234.0,"));
-  CHECK_THAT(csv, Contains("kbit/s,0,,,,,,,,,,,\n"));
+  CHECK_THAT(csv, Contains("kbit/s,0,,,,,,,,,,,,,\n"));
 }
 
 TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {

@@ -55,6 +55,8 @@ Row table_row(const std::string& name, const OrderedJson& agent, double unit) {
                    unit),
           one_decimal(agent["height_mean_m"]),
           one_decimal(agent["height_changes_mean"]),
+          one_decimal(agent["handovers_mean"]),
+          digits(agent["energy_mean_j"], 1000.0),
           gain(agent, unit)};
 }
 
@@ -83,6 +85,8 @@ std::string summary_csv(const OrderedJson& summary) {
                                       "qos_q75",
                                       "height_mean_m",
                                       "height_changes_mean",
+                                      "handovers_mean",
+                                      "energy_mean_j",
                                       "gain_over_min_height_mean",
                                       "gain_over_min_height_ci95"};
   std::string text = "condition,agent,qos_unit";
@@ -111,7 +115,7 @@ std::string summary_table(const OrderedJson& summary) {
     const bool throughput = condition.at("qos_unit") == "kbit/s";
     const double unit = throughput ? 1000.0 : 1.0;
     std::vector<Row> rows{{"agent", "trials", throughput ? "Mbit/s" : "bit/s/Hz", "[95 %]", "median", "[quartiles]",
-                           "height m", "changes", "gain over min-height"}};
+                           "height m", "changes", "handovers", "kJ", "gain over min-height"}};
     for (const auto& [name, agent] : condition.at("agents").items()) rows.push_back(table_row(name, agent, unit));
     text += fmt::format("\n{}\n{}", condition.at("name").get<std::string>(), aligned(rows));
   }

@@ -34,7 +34,30 @@ std::uint32_t FlightRecord::height_changes() const {
   return changes;
 }
 
-Flight::Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial) : map_(map), position_(map.start()) {
+double FlightRecord::step_energy_j(std::size_t index, double speed_m_per_s) const {
+  const double before_m = index == 0 ? height_start_m : steps.at(index - 1).height_m;
+  return flight::step_energy_j(speed_m_per_s, steps.at(index).height_m - before_m);
+}
+
+double FlightRecord::energy_j(double speed_m_per_s) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < steps.size(); ++i) sum += step_energy_j(i, speed_m_per_s);
+  return sum;
+}
+
+std::optional<std::uint32_t> FlightRecord::handovers() const {
+  std::optional<std::uint32_t> changes;
+  std::int32_t before = -1;
+  for (const StepRecord& step : steps) {
+    if (step.serving_cell < 0) continue;
+    changes = changes.value_or(0) + (before >= 0 && step.serving_cell != before ? 1 : 0);
+    before = step.serving_cell;
+  }
+  return changes;
+}
+
+Flight::Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, const Costs& costs)
+    : map_(map), costs_(costs), position_(map.start()) {
   const radio::HeightGrid& grid = map.heights();
   info_ = {map.qos_kind(), grid.height_min_m, grid.height_max_m, grid.height_step_m, map.steps(), seed, trial};
   record_.qos_kind = info_.qos;
@@ -71,11 +94,12 @@ void Flight::step(const agents::Command& command, std::string_view pilot) {
   const std::uint32_t step = observation_.step + 1;
   const std::uint32_t point = map_.result_point(step);
   position_ = result_position(step);
+  const double before_m = observation_.height_m;
   const Action executed = move(command);
   measure(point);
   observation_.step = step;
   observation_.executed = executed;
-  observation_.reward = observation_.qos;
+  observation_.reward = reward(observation_.height_m - before_m);
   observation_.last = step == info_.steps;
   record_.steps.push_back({step, executed, position_.x_m, position_.y_m, observation_.height_m,
                            observation_.serving_cell, observation_.serving_sinr_db, observation_.qos,
@@ -116,6 +140,14 @@ void Flight::measure(std::uint32_t point) {
   observation_.neighbour_count = reading.neighbour_count;
   observation_.neighbour_sinr_db = reading.neighbour_sinr_db;
   observation_.qos = reading.qos;
+}
+
+double Flight::reward(double climb_m) {
+  const std::int32_t cell = observation_.serving_cell;
+  const bool handover = cell >= 0 && scored_cell_ >= 0 && cell != scored_cell_;
+  if (cell >= 0) scored_cell_ = cell;
+  return observation_.qos - costs_.energy_weight * step_energy_j(costs_.speed_m_per_s, climb_m) -
+         (handover ? costs_.handover_cost : 0.0);
 }
 
 std::uint32_t Flight::pilot_index(std::string_view pilot) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/agents/registry.hpp"
+#include "common/flight/energy.hpp"
 #include "common/radio/signal_map.hpp"
 
 namespace aloft::flight {
@@ -38,14 +39,20 @@ struct FlightRecord {
   [[nodiscard]] double height_mean_m() const;
   [[nodiscard]] std::uint32_t height_changes()
       const;  ///< steps whose height differs from the one before (start: height_min_m)
+  /// Of one step, by its index, and of all of them.
+  [[nodiscard]] double step_energy_j(std::size_t index, double speed_m_per_s) const;
+  [[nodiscard]] double energy_j(double speed_m_per_s) const;
+  /// Changes of serving cell from step to step, where steps with an unknown cell (-1) are passed over; none if no cell
+  /// is known at all.
+  [[nodiscard]] std::optional<std::uint32_t> handovers() const;
   double height_start_m = 0.0;
 };
 
 /// The episode state machine: applies height commands, moves the UAV, measures the radio. No DDS, no files, no clock.
 class Flight {
  public:
-  /// `map` must outlive the flight.
-  Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial);
+  /// `map` must outlive the flight. The reward of a step is its quality minus what it costs.
+  Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, const Costs& costs = {});
 
   [[nodiscard]] const agents::FlightInfo& info() const noexcept { return info_; }
   /// What the UAV reports now: step 0 before the first command.
@@ -75,14 +82,18 @@ class Flight {
   agents::Action move(const agents::Command& command);
   /// Reads the radio at route point `point`, where the UAV is.
   void measure(std::uint32_t point);
+  /// Quality minus costs of a step that changed the height by `climb_m`; notes the serving cell.
+  double reward(double climb_m);
   std::uint32_t pilot_index(std::string_view pilot);
 
   radio::SignalMap& map_;
+  Costs costs_;
   agents::FlightInfo info_;
   agents::Observation observation_;
   FlightRecord record_;
   world::Position position_;
-  std::uint32_t level_ = 0;  // index into the map's height grid
+  std::uint32_t level_ = 0;         // index into the map's height grid
+  std::int32_t scored_cell_ = -1;  // that served last in a scored step; -1: none is known
 };
 
 /// What an agent with this privilege may foresee before it observes flight.observation(), in order: nothing, the next
@@ -93,6 +104,6 @@ void foresee(const Flight& flight, agents::Privilege privilege, agents::HeightPr
 
 /// Flies `agent` to the end: the direct call that --in-process uses, and the meaning of the protocol on the bus.
 [[nodiscard]] FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,
-                               const agents::AgentSpec& spec);
+                               const agents::AgentSpec& spec, const Costs& costs = {});
 
 }  // namespace aloft::flight

@@ -67,6 +67,25 @@ TEST_CASE("a generated flight scores step j at route point j, after the j-th act
   CHECK(flight.record().height_changes() == 3);
 }
 
+TEST_CASE("energy and handovers come off the reward, not off the quality") {
+  SyntheticMap map = labelled(QosKind::spectral_efficiency, 5);
+  Flight flight(map, 7, 3, {.speed_m_per_s = 20.0, .energy_weight = 0.25, .handover_cost = 3.0});
+  // Quality modulo 7 is the cell: 3, 5, 6, 1, so every step but the first is a handover.
+  const Action commands[] = {Action::up, Action::hold, Action::down, Action::hold};
+  const double qos[] = {101.0, 201.0, 300.0, 400.0};
+  const double climb_j[] = {20.0 * 10.0 / 0.7, 0.0, 0.0, 0.0};
+  const double handover[] = {0.0, 1.0, 1.0, 1.0};
+  const double level_j = 178.29582 / 2.0;  // half a second at 20 m/s
+  for (std::size_t i = 0; i < 4; ++i) {
+    flight.step({commands[i]}, "me");
+    CHECK(flight.observation().qos == qos[i]);
+    CHECK(flight.observation().reward ==
+          Approx(qos[i] - 0.25 * (level_j + climb_j[i]) - 3.0 * handover[i]).epsilon(1e-7));
+    CHECK(flight.record().steps.back().reward == flight.observation().reward);
+  }
+  CHECK(flight.record().handovers() == 3U);
+}
+
 TEST_CASE("a measured flight scores step j at the j-th column") {
   SyntheticMap map = labelled(QosKind::throughput, 3);
   Flight flight(map, 1, 0);

@@ -26,9 +26,9 @@ void foresee(const Flight& flight, Privilege privilege, agents::HeightProfile& b
 }
 
 FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,
-                 const agents::AgentSpec& spec) {
+                 const agents::AgentSpec& spec, const Costs& costs) {
   const agents::AgentType& type = agents::agent_type(spec.type);
-  Flight flight(map, seed, trial);
+  Flight flight(map, seed, trial, costs);
   agents::HeightProfile buffer;
   const auto deliver = [&agent](const agents::HeightProfile& profile) { agent.foresee(profile); };
   agent.begin(flight.info());

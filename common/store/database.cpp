@@ -16,7 +16,7 @@ namespace aloft::store {
 namespace {
 
 constexpr int application_id = 0x416C6F66;  // "Alof"; `file results.sqlite` shows it
-constexpr int schema_version = 1;
+constexpr int schema_version = 2;
 constexpr int busy_timeout_ms = 5000;
 constexpr std::uintmax_t no_room_bytes = 1U << 20U;
 
@@ -38,6 +38,8 @@ CREATE TABLE flight (
   qos_mean REAL NOT NULL,
   height_mean_m REAL NOT NULL,
   height_changes INTEGER NOT NULL,
+  energy_j REAL NOT NULL,
+  handovers INTEGER,
   digest TEXT NOT NULL,
   seal INTEGER NOT NULL
 ) STRICT;

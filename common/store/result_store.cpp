@@ -41,9 +41,10 @@ std::int64_t row_id(const Experiment& experiment, const FlightKey& key) {
 
 std::int64_t seal_of(std::int64_t id, const FlightSummary& flight) {
   const std::string row =
-      fmt::format("{} {} {} {} {} {} {} {}", id, flight.key.condition, flight.key.trial, flight.key.agent,
+      fmt::format("{} {} {} {} {} {} {} {} {} {}", id, flight.key.condition, flight.key.trial, flight.key.agent,
                   std::bit_cast<std::uint64_t>(flight.qos_mean), std::bit_cast<std::uint64_t>(flight.height_mean_m),
-                  flight.height_changes, flight.digest);
+                  flight.height_changes, std::bit_cast<std::uint64_t>(flight.energy_j),
+                  flight.handovers ? static_cast<int>(*flight.handovers) : -1, flight.digest);
   return std::bit_cast<std::int64_t>(sha256_id(row));
 }
 
@@ -95,7 +96,7 @@ struct ResultStore::State {
   void prepare() {
     find_digest = std::make_unique<SQLite::Statement>(*database, "SELECT digest FROM flight WHERE id = ?");
     insert_flight =
-        std::make_unique<SQLite::Statement>(*database, "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        std::make_unique<SQLite::Statement>(*database, "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     insert_trace = std::make_unique<SQLite::Statement>(*database, "INSERT INTO trace VALUES (?, ?)");
     keep_memory = std::make_unique<SQLite::Statement>(
         *database,
@@ -151,7 +152,13 @@ Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std
   find_digest->reset();
   const flight::FlightRecord record = decode_trace(trace);
   if (record.steps.empty()) throw IntegrityError("a flight without steps is no result");
-  const FlightSummary flight{key, record.qos_mean(), record.height_mean_m(), record.height_changes(), digest};
+  const FlightSummary flight{key,
+                             record.qos_mean(),
+                             record.height_mean_m(),
+                             record.height_changes(),
+                             record.energy_j(experiment.costs.speed_m_per_s),
+                             record.handovers(),
+                             digest};
 
   SQLite::Statement& row = *insert_flight;
   row.reset();
@@ -162,8 +169,13 @@ Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std
   row.bind(5, flight.qos_mean);
   row.bind(6, flight.height_mean_m);
   row.bind(7, flight.height_changes);
-  row.bind(8, digest);
-  row.bind(9, seal_of(id, flight));
+  row.bind(8, flight.energy_j);
+  if (flight.handovers)
+    row.bind(9, *flight.handovers);
+  else
+    row.bind(9);
+  row.bind(10, digest);
+  row.bind(11, seal_of(id, flight));
   row.exec();
   insert_trace->reset();
   insert_trace->bind(1, id);
@@ -192,9 +204,11 @@ FlightSummary ResultStore::State::summary_at(SQLite::Statement& row) const {
   flight.qos_mean = row.getColumn(4).getDouble();
   flight.height_mean_m = row.getColumn(5).getDouble();
   flight.height_changes = row.getColumn(6).getUInt();
-  flight.digest = row.getColumn(7).getString();
+  flight.energy_j = row.getColumn(7).getDouble();
+  if (!row.getColumn(8).isNull()) flight.handovers = row.getColumn(8).getUInt();
+  flight.digest = row.getColumn(9).getString();
   const std::int64_t id = row.getColumn(0).getInt64();
-  if (seal_of(id, flight) != row.getColumn(8).getInt64())
+  if (seal_of(id, flight) != row.getColumn(10).getInt64())
     refuse_damaged(file, fmt::format("row {} of table flight was altered", id));
   return flight;
 }
@@ -291,7 +305,7 @@ std::string ResultStore::trace(const FlightKey& key) const {
       throw InputError(fmt::format("condition {}, trial {}, agent '{}' is not among the results in '{}'", key.condition,
                                    key.trial, key.agent, state_->file.parent_path().string()));
     const FlightSummary flight = state_->summary_at(query);
-    std::string bytes = query.getColumn(9).getString();
+    std::string bytes = query.getColumn(11).getString();
     if (sha256_hex(bytes) != flight.digest)
       refuse_damaged(state_->file, fmt::format("row {} of table trace was altered", id));
     return bytes;
@@ -329,7 +343,8 @@ std::string ResultStore::digest() const {
 nlohmann::ordered_json summarise(const ResultStore& results) {
   std::vector<experiment::FlightScore> scores;
   for (FlightSummary& flight : results.flights())
-    scores.push_back({std::move(flight.key), flight.qos_mean, flight.height_mean_m, flight.height_changes});
+    scores.push_back({std::move(flight.key), flight.qos_mean, flight.height_mean_m, flight.height_changes,
+                      flight.energy_j, flight.handovers});
   return experiment::summarise(results.experiment(), scores, build_id());
 }
 

@@ -22,6 +22,8 @@ struct FlightSummary {
   double qos_mean = 0.0;
   double height_mean_m = 0.0;
   std::uint32_t height_changes = 0;
+  double energy_j = 0.0;
+  std::optional<std::uint32_t> handovers;  ///< none: the serving cells are unknown
   std::string digest;  ///< SHA-256 of the encoded trace
 };
 

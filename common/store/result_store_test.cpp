@@ -89,6 +89,8 @@ TEST_CASE("flights come back in canonical order, whatever the order of storing")
   CHECK(flights[2].qos_mean == 3.0);
   CHECK(flights[2].height_mean_m == Approx(140.0 / 3.0));
   CHECK(flights[2].height_changes == 1);
+  CHECK(flights[2].energy_j == Approx(3 * 126.029 + 285.714).epsilon(1e-5));  // three seconds, 10 m of climb
+  CHECK(flights[2].handovers == 0U);
   CHECK(flights[2].digest == sha256_hex(flight_with(3.0)));
   CHECK(results.keys() == std::set<FlightKey>{first, second, later});
   CHECK(results.trace(later) == flight_with(3.0));

@@ -14,13 +14,13 @@ constexpr std::chrono::milliseconds patience{1000};
 }  // namespace
 
 Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, agents::Privilege privilege,
-                 radio::SignalMap& map, std::uint64_t seed, Clock::time_point now)
+                 radio::SignalMap& map, std::uint64_t seed, const flight::Costs& costs, Clock::time_point now)
     : address_(address),
       agent_(agent),
       privilege_(privilege),
       unconstrained_(agents::agent_type(agent.type).unconstrained),
       remembers_(agent.lineages() > 0),
-      flight_(map, seed, address.trial),
+      flight_(map, seed, address.trial, costs),
       silent_since_(now),
       patience_(first_patience) {
   report_.stream(address_.stream);

@@ -37,7 +37,7 @@ class Episode {
   };
   /// `agent` and `map` must outlive the episode.
   Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, agents::Privilege privilege,
-          radio::SignalMap& map, std::uint64_t seed, Clock::time_point now);
+          radio::SignalMap& map, std::uint64_t seed, const flight::Costs& costs, Clock::time_point now);
 
   Outcome accept(const wire::HeightCommand& command, Clock::time_point now);
   /// What the agent remembers, after the last step; the flight of an agent that remembers earlier flights is finished

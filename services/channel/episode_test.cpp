@@ -20,7 +20,7 @@ const Clock::time_point start = Clock::now();
 struct Talk {
   explicit Talk(const nlohmann::json& agent, agents::Privilege privilege = agents::Privilege::none)
       : spec(agents::parse_agents(agent, "test").at(0)),
-        episode({.experiment_id = "e", .episode_id = 99, .attempt = 4, .stream = 7}, spec, privilege, map, 1, start) {}
+        episode({.experiment_id = "e", .episode_id = 99, .attempt = 4, .stream = 7}, spec, privilege, map, 1, {.energy_weight = 0.01}, start) {}
 
   void ask(Clock::time_point now = start) {
     profiles.clear();
@@ -62,6 +62,8 @@ TEST_CASE("every command is executed once; the last one ends the flight") {
   CHECK(talk.last_report.step() == 1);
   CHECK(talk.last_report.height_m() == 50.0);
   CHECK(talk.last_report.executed() == wire::ACTION_UP);
+  // A second at 10 m/s and 10 m of climb take 126.029 + 285.714 J.
+  CHECK(talk.last_report.reward() == Approx(talk.last_report.qos() - 4.11743).epsilon(1e-5));
   CHECK(wire::view(talk.last_report.executed_by()) == "constant-60");
   CHECK(talk.episode.accept(talk.command(2), start) == Outcome::stepped);
   CHECK(talk.episode.accept(talk.command(3), start) == Outcome::finished);

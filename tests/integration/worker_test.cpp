@@ -29,7 +29,7 @@ using test::Command;
 using test::ScratchDir;
 
 const char* const experiment_text = R"({
-  "name": "worker-test", "seed": 5, "trials": 3,
+  "name": "worker-test", "seed": 5, "trials": 3, "energy_weight": 0.001, "handover_cost": 0.5,
   "world": {"kind": "generated", "bs_density_per_km2": [2.5, 5], "steps": 20},
   "agents": ["min-height", "constant-120", "random-walk", "one-step-ahead", "optimal-height", "planner", "local-bandit",
              {"type": "dqn", "epochs": 5}]
@@ -45,7 +45,7 @@ std::map<FlightKey, std::string> expected_traces(const experiment::Experiment& e
         if (agents::agent_type(spec.type).foreign) continue;
         const auto agent = spec.make();
         traces[{condition.index, trial, spec.name}] =
-            store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec));
+            store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec, experiment.costs));
       }
     }
   return traces;

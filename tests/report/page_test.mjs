@@ -44,6 +44,8 @@ function leastMarks(name, data, condition, view) {
   if (name.endsWith('-qos')) return 4 * count;
   if (name.endsWith('-gain')) return 2 * (count - 1);
   if (name.endsWith('-profile')) return count;
+  if (name.endsWith('-energy')) return 3 * count;
+  if (name.endsWith('-gains')) return 2 * (data.agents.length - 1);
   if (name.endsWith('-over-steps')) return flight.agents.length;
   if (name.endsWith('-heat-map')) return flight.step.length * flight.map.height_m.length;
   if (name.endsWith('-city')) return 2 * flight.step.length;
@@ -89,7 +91,7 @@ describe('the report in a browser', {skip: program ? false : 'no Chromium'}, () 
   test('generated cities: every chart, light and wide', async () => {
     succeed('report', generated);
     const {data, names} = await checkPage(browser, join(generated, 'report.html'));
-    for (const ending of ['-qos', '-gain', '-profile', '-mean-height', '-height-over-steps', '-qos-over-steps', '-heat-map', '-city', '-epsilon', '-loss', '-q-values'])
+    for (const ending of ['-qos', '-gain', '-profile', '-energy', '-mean-height', '-height-over-steps', '-qos-over-steps', '-heat-map', '-city', '-epsilon', '-loss', '-q-values'])
       assert.ok(names.some((name) => name.endsWith(ending)), `no chart ${ending}`);
     assert.equal(names.filter((name) => name.endsWith('-qos')).length, data.conditions.length);
     assert.deepEqual(data.missing, []);

@@ -72,12 +72,15 @@ void export_flights(const store::ResultStore& results, RowWriter& rows) {
     row["qos_mean"] = flight.qos_mean;
     row["height_mean_m"] = flight.height_mean_m;
     row["height_changes"] = flight.height_changes;
+    row["handovers"] = flight.handovers ? Row(*flight.handovers) : Row();
+    row["energy_j"] = flight.energy_j;
     row["digest"] = flight.digest;
     rows.write(row);
   }
 }
 
-Row step_row(Row row, const flight::FlightRecord& record, const flight::StepRecord& step) {
+Row step_row(Row row, const flight::FlightRecord& record, std::size_t index, double speed_m_per_s) {
+  const flight::StepRecord& step = record.steps[index];
   row["step"] = step.step;
   row["action"] = action_name(step.action);
   row["flown_by"] = record.pilots.at(step.flown_by);
@@ -88,6 +91,7 @@ Row step_row(Row row, const flight::FlightRecord& record, const flight::StepReco
   row["serving_sinr_db"] = step.serving_sinr_db;
   row["qos"] = step.qos;
   row["reward"] = step.reward;
+  row["energy_j"] = record.step_energy_j(index, speed_m_per_s);
   const auto& thoughts = step.introspection;
   const auto optional = [&](double value) { return thoughts ? Row(value) : Row(); };
   row["epsilon"] = optional(thoughts ? thoughts->epsilon : 0.0);
@@ -102,7 +106,8 @@ void export_steps(const store::ResultStore& results, RowWriter& rows) {
   for (const store::FlightSummary& flight : results.flights()) {
     const Row key = key_row(results.experiment(), flight.key);
     const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
-    for (const flight::StepRecord& step : record.steps) rows.write(step_row(key, record, step));
+    for (std::size_t i = 0; i < record.steps.size(); ++i)
+      rows.write(step_row(key, record, i, results.experiment().costs.speed_m_per_s));
   }
 }
 

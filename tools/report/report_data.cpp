@@ -89,7 +89,10 @@ json agent_list(const std::vector<ReportCondition>& conditions) {
                    [](const AgentTrials* a, const AgentTrials* b) { return shown_before(a->name, b->name); });
   json list = json::array();
   for (const AgentTrials* agent : agents)
-    list.push_back({{"name", agent->name}, {"type", agent->type}, {"learns", agents::agent_type(agent->type).learns}});
+    list.push_back({{"name", agent->name},
+                    {"type", agent->type},
+                    {"learns", agents::agent_type(agent->type).learns},
+                    {"privileged", agents::agent_type(agent->type).privilege != agents::Privilege::none}});
   return list;
 }
 

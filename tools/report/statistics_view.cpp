@@ -59,6 +59,16 @@ json gain_over(const AgentTrials& agent, const AgentTrials* reference, std::uint
           {"probability_of_improvement", rounded(experiment::probability_of_improvement(ours, theirs))}};
 }
 
+/// The gain as a share of the best feasible flight's, on the trials that the planner has flown; null without a planner
+/// or without head-room.
+json headroom_share(const json& gain, const ConditionTrials& condition) {
+  const AgentTrials* planner = condition.agent("planner");
+  if (gain.is_null() || planner == nullptr) return nullptr;
+  const json best = gain_over(*planner, condition.agent("min-height"), condition.seed);
+  if (best.is_null() || best["mean"].get<double>() <= 0.0) return nullptr;
+  return rounded(gain["mean"].get<double>() / best["mean"].get<double>());
+}
+
 std::vector<double> profile_thresholds(const ConditionTrials& condition) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -96,8 +106,11 @@ json agent_row(const ConditionTrials& condition, const AgentTrials& agent, const
            {"height_mean_m", rounded(experiment::mean(agent.height_m))},
            {"height_ci95_m", as_json(experiment::bootstrap_ci95(agent.height_m, condition.seed))},
            {"height_changes_mean", rounded(experiment::mean(agent.height_changes))},
+           {"energy_mean_kj", rounded(experiment::mean(agent.energy_kj))},
+           {"handovers_mean", rounded(experiment::mean(agent.handovers))},
            {"profile", performance_profile(agent.qos, thresholds)},
            {"gain", gain_over(agent, condition.agent("min-height"), condition.seed)}};
+  row["headroom_share"] = headroom_share(row["gain"], condition);
   add_box(row, agent.qos);
   return row;
 }

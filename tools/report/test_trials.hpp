@@ -9,12 +9,14 @@
 
 namespace aloft::report::testing {
 
-/// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes.
+/// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes, 12.5 kJ, 3 handovers.
 inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
   AgentTrials result{std::move(name), std::move(type), {}, std::move(qos), {}, {}};
   for (std::size_t i = 0; i < result.qos.size(); ++i) result.trials.push_back(static_cast<std::uint32_t>(i));
   result.height_m.assign(result.qos.size(), 40.0);
   result.height_changes.assign(result.qos.size(), 0.0);
+  result.energy_kj.assign(result.qos.size(), 12.5);
+  result.handovers.assign(result.qos.size(), 3.0);
   return result;
 }
 

@@ -79,6 +79,8 @@ AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& 
     some.qos.push_back(from.qos[i]);
     some.height_m.push_back(from.height_m[i]);
     some.height_changes.push_back(from.height_changes[i]);
+    some.energy_kj.push_back(from.energy_kj[i]);
+    some.handovers.push_back(from.handovers[i]);
   }
   return some;
 }
@@ -121,6 +123,8 @@ std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
     agent.qos.push_back(flight.qos_mean * qos_scale(conditions[flight.key.condition].kind));
     agent.height_m.push_back(flight.height_mean_m);
     agent.height_changes.push_back(flight.height_changes);
+    agent.energy_kj.push_back(flight.energy_j / 1000.0);
+    agent.handovers.push_back(flight.handovers ? *flight.handovers : std::numeric_limits<double>::quiet_NaN());
   }
   return conditions;
 }

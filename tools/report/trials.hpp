@@ -21,6 +21,8 @@ struct AgentTrials {
   std::vector<double> qos;       ///< mean of the flight, in the condition's unit
   std::vector<double> height_m;  ///< mean of the flight
   std::vector<double> height_changes;
+  std::vector<double> energy_kj{};
+  std::vector<double> handovers{};  ///< NaN: unknown
 };
 
 /// What the report knows about one condition.

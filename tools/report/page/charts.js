@@ -1,6 +1,6 @@
 // The list of all charts of a report: the page and the SVG export draw from it.
 
-import {boxPlot, gainChart, meanHeightChart, performanceProfile} from './charts_statistics.js';
+import {boxPlot, energyChart, gainChart, gainsOverview, hasGains, meanHeightChart, performanceProfile} from './charts_statistics.js';
 import {cityMap, epsilonCurve, heatMap, heightOverSteps, lossCurve, qValueCurves, qosOverSteps} from './charts_flight.js';
 import {chartConfig} from './theme.js';
 import {slug} from './format.js';
@@ -12,6 +12,7 @@ export const statisticsCharts = [
   {id: 'qos', build: boxPlot, fits: (view) => view.agents.length > 0},
   {id: 'gain', build: gainChart, fits: (view) => view.agents.some((agent) => agent.gain && agent.name !== 'min-height')},
   {id: 'profile', build: performanceProfile, fits: (view) => view.agents.length > 0 && view.trials > 1},
+  {id: 'energy', build: energyChart, fits: (view) => view.agents.length > 1},
 ];
 
 /** Charts of the chosen flight of a condition. */
@@ -65,6 +66,7 @@ export function allCharts(data, base) {
   data.experiments.forEach((experiment, index) => {
     const flown = data.conditions.some((condition) => condition.experiment === index && condition.views[base.view]);
     if (flown) add(`${slug(experiment.name)}-mean-height`, meanHeightChart(data, index, base), base);
+    if (hasGains(data, index, base.view)) add(`${slug(experiment.name)}-gains`, gainsOverview(data, index, base), base);
   });
   for (const condition of data.conditions) {
     const prefix = `${slug(data.experiments[condition.experiment].name)}-${slug(condition.name)}`;

@@ -146,3 +146,90 @@ export function meanHeightChart(data, experiment, context) {
     ],
   };
 }
+
+function privilegedNames(data) {
+  return data.agents.filter((agent) => agent.privileged).map((agent) => agent.name);
+}
+
+/** Agents that no other one beats in quality with as little energy, by rising energy. */
+function paretoFront(rows) {
+  const front = [];
+  for (const row of [...rows].sort((a, b) => a.energy - b.energy || b.qos - a.qos))
+    if (front.length === 0 || row.qos > front[front.length - 1].qos) front.push(row);
+  return front;
+}
+
+/** Mean quality against mean energy of every agent; the line joins the best of those that real UAVs can fly. */
+export function energyChart(data, condition, context) {
+  const agents = condition.views[context.view].agents;
+  const privileged = privilegedNames(data);
+  const rows = agents.map((agent) => ({
+    agent: agent.name, energy: agent.energy_mean_kj, qos: agent.mean, low: agent.ci95[0], high: agent.ci95[1],
+    text: interval(agent.ci95), privileged: privileged.includes(agent.name),
+  }));
+  const surface = surfaces[context.theme];
+  const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, agents.map((agent) => agent.name)).colour, legend: null};
+  const x = {field: 'energy', type: 'quantitative', scale: {type: 'log', nice: false, padding: 30}, axis: {title: 'Energy per flight (kJ)', format: '~g', grid: false, values: [5, 10, 15, 20, 30, 40, 60, 100, 150, 200, 300]}};
+  const y = (field) => ({field, type: 'quantitative', scale: {zero: false, nice: true}, axis: {title: qosTitle(condition)}});
+  const tooltip = [
+    {field: 'agent', title: 'Agent'}, {field: 'energy', title: 'Energy (kJ)', format: '.1f'},
+    {field: 'qos', title: 'Mean', format: '.2f'}, {field: 'text', title: '95 % interval'},
+  ];
+  return {
+    height: 300,
+    data: {values: rows},
+    layer: [
+      {data: {values: paretoFront(rows.filter((row) => !row.privileged))}, mark: {type: 'line', interpolate: 'step-after', strokeDash: [4, 3], strokeWidth: 1.4, color: surface.soft}, encoding: {x, y: y('qos'), order: {field: 'energy'}}},
+      {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: colour}},
+      {mark: {type: 'point', size: 75, strokeWidth: 2, opacity: 1}, encoding: {x, y: y('qos'), color: colour, fill: {condition: {test: 'datum.privileged', value: surface.background}, field: 'agent', type: 'nominal', scale: colour.scale, legend: null}, tooltip}},
+      {mark: {type: 'text', align: 'left', dx: 8, dy: -6, fontSize: 11, color: surface.ink}, encoding: {x, y: y('qos'), text: {field: 'agent'}}},
+    ],
+  };
+}
+
+function gainRows(data, experiment, view) {
+  const privileged = privilegedNames(data);
+  return data.conditions.filter((condition) => condition.experiment === experiment && condition.views[view] && condition.qos_unit === 'bit/s/Hz')
+    .flatMap((condition) => condition.views[view].agents.filter((agent) => agent.gain && agent.name !== 'min-height').map((agent) => ({
+      agent: agent.name, condition: condition.label, gain: agent.gain.mean, low: agent.gain.ci95[0], high: agent.gain.ci95[1],
+      text: signedInterval(agent.gain.ci95), privileged: privileged.includes(agent.name),
+    })));
+}
+
+/** Whether there is more than one condition to compare gains over. */
+export function hasGains(data, experiment, view) {
+  return new Set(gainRows(data, experiment, view).map((row) => row.condition)).size > 1;
+}
+
+/** Gains over min-height of all agents, side by side for the generated conditions of one experiment. */
+export function gainsOverview(data, experiment, context) {
+  const rows = gainRows(data, experiment, context.view);
+  const names = [...new Set(rows.map((row) => row.agent))];
+  const conditions = [...new Set(rows.map((row) => row.condition))];
+  const scales = agentScales(data, context.theme, names);
+  const surface = surfaces[context.theme];
+  const colour = {field: 'agent', type: 'nominal', scale: scales.colour, legend: null};
+  const x = (field) => ({field, type: 'quantitative', axis: {title: null, tickCount: 4}});
+  const y = agentAxis(data, names);
+  const tooltip = [
+    {field: 'condition', title: 'Condition'}, {field: 'agent', title: 'Agent'},
+    {field: 'gain', title: 'Mean gain (bit/s/Hz)', format: '+.2f'}, {field: 'text', title: '95 % interval'},
+  ];
+  const labels = 150;
+  return {
+    autosize: {type: 'pad'},
+    width: undefined,
+    data: {values: rows},
+    spacing: 14,
+    facet: {column: {field: 'condition', type: 'nominal', sort: conditions, header: {title: 'Gain over min-height on the same worlds (bit/s/Hz)', titleOrient: 'bottom', titleFontWeight: 500, titleColor: surface.ink, labelColor: surface.ink, labelFontSize: 11, labelExpr: "split(datum.label, ', ')"}}},
+    spec: {
+      width: Math.max(70, Math.floor((context.width - labels) / conditions.length) - 14),
+      height: 20 * names.length,
+      layer: [
+        {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surface.soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
+        {mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+        {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: {condition: {test: 'datum.privileged', value: surface.background}, field: 'agent', type: 'nominal', scale: scales.colour, legend: null}, tooltip}},
+      ],
+    },
+  };
+}

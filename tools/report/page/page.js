@@ -1,13 +1,13 @@
 // The page: reads the data block, draws every section, redraws when the reader changes theme, trials or flight.
 
 import {complete, defaultContext, flightCharts, statisticsCharts} from './charts.js';
-import {meanHeightChart} from './charts_statistics.js';
+import {gainsOverview, hasGains, meanHeightChart} from './charts_statistics.js';
 import {choice, h} from './dom.js';
 import {slug} from './format.js';
 import {claimsList, missingSection, publishedTable, selectionRemark, summaryTable} from './sections.js';
 
 const data = JSON.parse(document.getElementById('report-data').textContent);
-const titles = {qos: 'Per-trial mean', gain: 'Paired gain over min-height', profile: 'Performance profile'};
+const titles = {qos: 'Per-trial mean', gain: 'Paired gain over min-height', profile: 'Performance profile', energy: 'Quality against energy'};
 
 /** What the reader chose; kept in the address (#theme=dark&trials=selected&condition=1&agent=dqn) so that it can be shared. */
 const state = readState();
@@ -96,6 +96,9 @@ function experimentResults(experiment, index) {
   const conditions = data.conditions.filter((condition) => condition.experiment === index && condition.views[state.view]);
   if (conditions.length === 0) return h('p', {class: 'soft'}, `${experiment.name}: no flights to show.`);
   const parts = [];
+  if (hasGains(data, index, state.view))
+    parts.push(h('h4', {}, 'Gains over min-height in all conditions'), explain('gain'),
+      h('div', {class: 'grid wide'}, figure(`${slug(experiment.name)}-gains`, 'Mean over trials, with 95 % intervals; privileged agents are hollow', (context) => gainsOverview(data, index, context))));
   for (const chart of statisticsCharts) {
     const fitting = conditions.filter((condition) => chart.fits(condition.views[state.view]));
     if (fitting.length === 0) continue;
@@ -113,6 +116,7 @@ function explain(id) {
     qos: 'Each value behind a box is the mean of one flight. Box: quartiles and median; whiskers: the last value within 1.5 box lengths; diamond: mean.',
     gain: 'Difference to min-height on the same worlds; the bar is the 95 % bootstrap interval of the mean.',
     profile: 'The share of trials whose mean exceeds a threshold: higher is better everywhere, crossing lines mean that no agent is best for all.',
+    energy: 'Mean of all flights. No UAV without privileged knowledge is above and left of the line; privileged agents are hollow. Energy: rotary-wing power at constant speed over ground, plus climbing (docs/learners.md).',
   };
   return h('p', {class: 'soft'}, texts[id]);
 }

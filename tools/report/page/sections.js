@@ -52,9 +52,12 @@ export function summaryTable(data, condition, context) {
     {title: 'Interquartile mean', number: true, text: (agent) => `${number(agent.iqm)} (${interval(agent.iqm_ci95)})`},
     {title: 'Mean height (m)', number: true, text: height},
     {title: 'Height changes', number: true, text: (agent) => number(agent.height_changes_mean, 1)},
+    {title: 'Handovers', number: true, text: (agent) => (agent.handovers_mean === null ? 'unknown' : number(agent.handovers_mean, 1))},
+    {title: 'Energy (kJ)', number: true, text: (agent) => number(agent.energy_mean_kj, 1)},
     {title: 'Gain over min-height', number: true, text: (agent) => (gain(agent) ? signed(agent.gain.mean) : '–')},
     {title: '95 % interval', number: true, text: (agent) => (gain(agent) ? signedInterval(agent.gain.ci95) : '–')},
     {title: 'Better in', number: true, text: (agent) => (gain(agent) ? percent(agent.gain.probability_of_improvement) : '–')},
+    {title: 'Head-room closed', number: true, text: (agent) => (gain(agent) && agent.headroom_share !== null ? percent(agent.headroom_share) : '–')},
   ], view.agents, `${condition.label}, ${view.trials} trials`);
 }
 

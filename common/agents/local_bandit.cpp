@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "common/agents/registry.hpp"
@@ -10,20 +13,44 @@ namespace {
 constexpr double mbps_per_kbps = 1e-3;
 constexpr std::int64_t never = -1;
 
+/// In Mbit/s or bit/s/Hz. For measured flights as given with the algorithm; for generated worlds chosen among 130
+/// settings on 300 trials of each of 1, 2.5 and 5 base stations per km2, seed 990001.
+struct Preset {
+  std::string_view prefix;
+  std::string_view unit;
+  double alpha;
+  double optimism;
+  double bias;
+  double staleness;
+};
+constexpr Preset throughput_preset{"throughput", "mbps", 0.2, 2.0, 0.3, 0.6};
+constexpr Preset se_preset{"se", "bit_s_hz", 0.9, 6.0, 0.05, 0.6};
+
+constexpr const Preset& preset_of(QosKind kind) {
+  return kind == QosKind::throughput ? throughput_preset : se_preset;
+}
+
+std::vector<ParameterSpec> bandit_parameters() {
+  std::vector<ParameterSpec> table;
+  for (const Preset& preset : {throughput_preset, se_preset}) {
+    const auto named = [&](std::string_view name) { return fmt::format("{}_{}", preset.prefix, name); };
+    table.push_back(number_parameter(named("alpha"), preset.alpha, 0, 1, "Rate of the running average per height."));
+    table.push_back(number_parameter(named(fmt::format("optimism_{}", preset.unit)), preset.optimism, -1'000, 1'000,
+                                     "Bonus of a height never visited, at Zmin."));
+    table.push_back(
+        number_parameter(named("bias"), preset.bias, 0, 100, "How fast that bonus falls per level of height."));
+    table.push_back(number_parameter(named(fmt::format("staleness_{}", preset.unit)), preset.staleness, 0, 1'000,
+                                     "Bonus of a visited height after one step; grows as the root of time."));
+  }
+  return table;
+}
+
 /// Keeps a running estimate of the quality of every level, and goes to the most promising of the three within reach:
 /// a level it knows is worth its estimate + staleness * sqrt(steps since it was there), one it does not know the
 /// present level's estimate + optimism * exp(-bias * level).
 class LocalBandit final : public SteeringAgent {
  public:
-  explicit LocalBandit(const Parameters& parameters)
-      : SteeringAgent("local-bandit", parameters),
-        alpha_(parameters.number("alpha")),
-        optimism_mbps_(parameters.number("optimism_mbps")),
-        bias_(parameters.number("bias")),
-        staleness_mbps_(parameters.number("staleness_mbps")),
-        mbps_per_se_(parameters.number("mbps_per_bit_s_hz")) {
-    forget();
-  }
+  explicit LocalBandit(const Parameters& parameters) : SteeringAgent("local-bandit", parameters) { forget(); }
 
   void begin(const FlightInfo& flight) override {
     SteeringAgent::begin(flight);
@@ -33,71 +60,71 @@ class LocalBandit final : public SteeringAgent {
   void observe(const Observation& observation) override {
     SteeringAgent::observe(observation);
     if (observation.step == 0) return;  // not scored
-    const double reward_mbps =
-        observation.reward * (flight().qos == QosKind::throughput ? mbps_per_kbps : mbps_per_se_);
-    double& estimate = estimate_mbps_[level()];
-    estimate = visited_[level()] == never ? reward_mbps : estimate + alpha_ * (reward_mbps - estimate);
+    const double reward = observation.reward * (flight().qos == QosKind::throughput ? mbps_per_kbps : 1.0);
+    double& estimate = estimate_[level()];
+    estimate = visited_[level()] == never ? reward : estimate + alpha_ * (reward - estimate);
     visited_[level()] = observation.step;
   }
 
   Command act() override {
     const std::uint32_t here = level();
     Action best = Action::hold;
-    double best_mbps = promise_mbps(here);
+    double best_promise = promise(here);
     const auto consider = [&](Action action, std::uint32_t to) {
-      const double promise = promise_mbps(to);
-      if (promise <= best_mbps) return;
+      const double value = promise(to);
+      if (value <= best_promise) return;
       best = action;
-      best_mbps = promise;
+      best_promise = value;
     };
     if (here > 0) consider(Action::down, here - 1);
-    if (here + 1 < estimate_mbps_.size()) consider(Action::up, here + 1);
+    if (here + 1 < estimate_.size()) consider(Action::up, here + 1);
     return {best};
   }
 
  private:
-  [[nodiscard]] double promise_mbps(std::uint32_t to) const {
-    if (visited_[to] == never) return estimate_mbps_[level()] + optimism_mbps_ * std::exp(-bias_ * to);
-    return estimate_mbps_[to] + staleness_mbps_ * std::sqrt(static_cast<double>(step() - visited_[to]));
+  [[nodiscard]] double promise(std::uint32_t to) const {
+    if (visited_[to] == never) return estimate_[level()] + optimism_ * std::exp(-bias_ * to);
+    return estimate_[to] + staleness_ * std::sqrt(static_cast<double>(step() - visited_[to]));
   }
 
   void forget() {
-    estimate_mbps_.assign(level_count(flight()), 0.0);
+    const Preset& preset = preset_of(flight().qos);
+    const auto number = [&](std::string_view name) {
+      return parameters().number(fmt::format("{}_{}", preset.prefix, name));
+    };
+    alpha_ = number("alpha");
+    optimism_ = number(fmt::format("optimism_{}", preset.unit));
+    bias_ = number("bias");
+    staleness_ = number(fmt::format("staleness_{}", preset.unit));
+    estimate_.assign(level_count(flight()), 0.0);
     visited_.assign(level_count(flight()), never);
   }
 
   void save(StateWriter& writer) const override {
-    writer.put("estimate_mbps", estimate_mbps_);
+    writer.put("estimate", estimate_);
     writer.put("visited", visited_);
   }
 
   void restore(const StateReader& reader) override {
     forget();
-    reader.get("estimate_mbps", std::span(estimate_mbps_));
+    reader.get("estimate", std::span(estimate_));
     reader.get("visited", std::span(visited_));
   }
 
-  double alpha_;
-  double optimism_mbps_;
-  double bias_;
-  double staleness_mbps_;
-  double mbps_per_se_;
-  std::vector<double> estimate_mbps_;  // per level
+  double alpha_ = 0.0;
+  double optimism_ = 0.0;  // Mbit/s or bit/s/Hz, as the two below
+  double bias_ = 0.0;
+  double staleness_ = 0.0;
+  std::vector<double> estimate_;       // per level
   std::vector<std::int64_t> visited_;  // per level: the last step there
 };
 
-const bool registered = register_agent(
-    {.name = "local-bandit",
-     .description = "Learns an average per height and explores the neighbouring heights; no network.",
-     .learns = true,
-     .parameters = {number_parameter("alpha", 0.2, 0, 1, "Rate of the running average per height."),
-                    number_parameter("optimism_mbps", 2, -1'000, 1'000, "Bonus of a height never visited, at Zmin."),
-                    number_parameter("bias", 0.3, 0, 100, "How fast that bonus falls per level of height."),
-                    number_parameter("staleness_mbps", 0.6, 0, 1'000,
-                                     "Bonus of a visited height after one step; grows as the root of time."),
-                    number_parameter("mbps_per_bit_s_hz", 4, 1e-3, 1'000,
-                                     "In generated worlds: what 1 bit/s/Hz counts as in Mbit/s.")},
-     .make = [](const Parameters& parameters) { return std::make_unique<LocalBandit>(parameters); }});
+const bool registered =
+    register_agent({.name = "local-bandit",
+                    .description = "Learns an average per height and explores the neighbouring heights; no network.",
+                    .learns = true,
+                    .parameters = bandit_parameters(),
+                    .make = [](const Parameters& parameters) { return std::make_unique<LocalBandit>(parameters); }});
 
 }  // namespace
 }  // namespace aloft::agents

@@ -31,8 +31,15 @@ TEST_CASE("local-bandit weighs known, stale and unknown heights") {
     QosKind kind;
     double per_mbps;
   };
-  for (const Unit unit : {Unit{QosKind::throughput, 1000.0}, Unit{QosKind::spectral_efficiency, 0.25}}) {
-    const auto agent = parse_agents({{"type", "local-bandit"}, {"mbps_per_bit_s_hz", 4}}, "agents[0]").front().make();
+  for (const Unit unit : {Unit{QosKind::throughput, 1000.0}, Unit{QosKind::spectral_efficiency, 1.0}}) {
+    const auto agent = parse_agents({{"type", "local-bandit"},
+                                     {"se_alpha", 0.2},
+                                     {"se_optimism_bit_s_hz", 2},
+                                     {"se_bias", 0.3},
+                                     {"se_staleness_bit_s_hz", 0.6}},
+                                    "agents[0]")
+                           .front()
+                           .make();
     agent->begin({.qos = unit.kind, .height_min_m = 40, .height_max_m = 60, .height_step_m = 10, .steps = 9});
     std::uint32_t step = 0;
     for (const Moment& moment : moments) {

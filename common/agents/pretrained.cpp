@@ -4,12 +4,14 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "common/agents/pretrained_builtin.hpp"
 #include "common/agents/pretrained_model.hpp"
 #include "common/agents/pretrained_state.hpp"
 #include "common/agents/registry.hpp"
 #include "common/agents/steering.hpp"
+#include "common/agents/training_worlds.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 
@@ -74,8 +76,15 @@ LoadedModel load(std::string_view bytes, std::string_view where) {
 }
 
 /// The built-in model is made ready once per process: an agent is made for every flight.
-std::shared_ptr<const LoadedModel> model_of(const std::string& path) {
-  if (!path.empty()) return std::make_shared<const LoadedModel>(load(read_file(path), path));
+std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::string& sha256) {
+  if (!path.empty()) {
+    const std::string bytes = read_file(path);
+    if (!sha256.empty() && sha256_hex(bytes) != sha256)
+      throw InputError(fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "
+                                   "file on every machine",
+                                   path, sha256));
+    return std::make_shared<const LoadedModel>(load(bytes, path));
+  }
   static const auto builtin = std::make_shared<const LoadedModel>(load(builtin_model(), "the built-in model"));
   return builtin;
 }
@@ -84,7 +93,7 @@ std::shared_ptr<const LoadedModel> model_of(const std::string& path) {
 class Pretrained final : public SteeringAgent {
  public:
   explicit Pretrained(const Parameters& parameters)
-      : SteeringAgent("pretrained", parameters), model_(model_of(parameters.text("model"))) {}
+      : SteeringAgent("pretrained", parameters), model_(model_of(parameters.text("model"), parameters.text("model_sha256"))) {}
 
   void begin(const FlightInfo& flight) override {
     SteeringAgent::begin(flight);
@@ -159,14 +168,32 @@ class Pretrained final : public SteeringAgent {
   PretrainedState state_;
 };
 
+nlohmann::json provenance() {
+  const PretrainedModel model = parse_pretrained_model(builtin_model(), "the built-in model");
+  const TrainingWorlds& worlds = training_worlds;
+  return {{"model", "data/models/pretrained.pb"},
+          {"sha256", builtin_model_sha256()},
+          {"trained_on",
+           fmt::format("preset published, {:g} to {:g} base stations and {:g} buildings per km2; made-up throughput of "
+                       "{} to {} heights and {} to {} steps",
+                       worlds.bs_density_min_per_km2, worlds.bs_density_max_per_km2, worlds.building_density_per_km2,
+                       worlds.measured_levels_min, worlds.measured_levels_max, worlds.measured_steps_min,
+                       worlds.measured_steps_max)},
+          {"made_by", "aloft train pretrained --config data/models/pretrained.json"},
+          {"training_config", nlohmann::json::parse(model.training_config)}};
+}
+
 const bool registered = register_agent(
     {.name = "pretrained",
-     .description = std::string("Flies by a network trained beforehand on generated worlds, frozen in flight. Built-in "
-                                "model: data/models/pretrained.pb, SHA-256 ") +
-                    std::string(builtin_model_sha256().substr(0, 16)) + ".",
+     .description = "Flies by a network trained beforehand on generated worlds, frozen in flight.",
      .learns = true,
-     .parameters = {text_parameter("model", "", "Model file of 'aloft train pretrained'; empty: the built-in model.")},
-     .make = [](const Parameters& parameters) { return std::make_unique<Pretrained>(parameters); }});
+     .trained_beforehand = true,
+     .file_parameter = "model",
+     .parameters = {text_parameter("model", "", "Model file of 'aloft train pretrained'; empty: the built-in model."),
+                    text_parameter("model_sha256", "",
+                                   "SHA-256 that the model file must have; filled in when an experiment is resolved.")},
+     .make = [](const Parameters& parameters) { return std::make_unique<Pretrained>(parameters); },
+     .provenance = provenance});
 
 }  // namespace
 }  // namespace aloft::agents

@@ -27,9 +27,15 @@ struct AgentType {
   bool unconstrained = false;  ///< may command Action::absolute
   bool learns = false;         ///< flown by the learning-agent service, else by the baseline-agent service
   bool foreign = false;  ///< flown by a program of the user's over DDS: every instance needs a name, and make throws
+  bool trained_beforehand = false;  ///< on training_worlds: elsewhere it may do worse
+  /// If set, this parameter names a file that the agent reads, and "PARAMETER_sha256" what the file must hold; an
+  /// experiment fills that in when it is resolved.
+  std::string file_parameter{};
   std::string name_parameter{};  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
   std::vector<ParameterSpec> parameters{};
   std::function<std::unique_ptr<Agent>(const Parameters&)> make{};
+  /// Where something that it carries came from, for people; unset: it carries nothing.
+  std::function<nlohmann::json()> provenance{};
   /// For types that may remember earlier flights: see AgentSpec::lineages. Unset: every flight starts afresh.
   std::function<std::uint32_t(const Parameters&)> lineages{};
 };

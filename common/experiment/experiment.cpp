@@ -17,6 +17,7 @@
 #include "common/experiment/schema.hpp"
 #include "common/experiment/set_value.hpp"
 #include "common/experiment/text_file.hpp"
+#include "common/experiment/world_parameters.hpp"
 
 namespace aloft::experiment {
 namespace {
@@ -76,8 +77,9 @@ void read_settings(const OrderedJson& document, Experiment& experiment) {
   experiment.trials = static_cast<std::uint32_t>(settings.integer("trials"));
   experiment.on_agent_loss = settings.text("on_agent_loss") == "restart" ? OnAgentLoss::restart : OnAgentLoss::failover;
   experiment.max_attempts = static_cast<std::uint32_t>(settings.integer("max_attempts"));
-  experiment.costs = {settings.number("speed_m_per_s"), settings.number("energy_weight"),
-                      settings.number("handover_cost")};
+  experiment.costs.speed_m_per_s = settings.number("speed_m_per_s");
+  experiment.costs.energy_weight = settings.number("energy_weight");
+  experiment.costs.handover_cost = settings.number("handover_cost");
 }
 
 std::vector<agents::AgentSpec> agents_of(const OrderedJson& document) {
@@ -117,12 +119,25 @@ std::vector<agents::AgentSpec> chosen_agents(const std::vector<agents::AgentSpec
   return chosen;
 }
 
-/// Makes one of each agent and throws it away: some parameters are only wrong together.
-void check_agents(const std::vector<agents::AgentSpec>& specs) {
+/// Makes one of each agent and throws it away: some parameters are only wrong together, and files are only read here.
+/// A file that an agent reads gets an absolute path, and the SHA-256 that counts in the experiment's id.
+void check_agents(std::vector<agents::AgentSpec>& specs, const FileAccess& files) {
   if (specs.size() > max_agents)
     throw InputError(fmt::format("agents: {} are too many; use at most {}", specs.size(), max_agents));
-  for (const agents::AgentSpec& spec : specs)
-    if (!agents::agent_type(spec.type).foreign) (void)spec.make();
+  for (agents::AgentSpec& spec : specs) {
+    const agents::AgentType& type = agents::agent_type(spec.type);
+    if (type.foreign) continue;
+    const std::string& key = type.file_parameter;
+    if (!key.empty() && !spec.parameters.text(key).empty()) {
+      if (!files.always_read && !spec.parameters.text(key + "_sha256").empty()) continue;
+      Json given = spec.parameters.to_json();
+      const std::filesystem::path file = locate(spec.parameters.text(key), files.folder);
+      given[key] = file.string();
+      if (spec.parameters.text(key + "_sha256").empty()) given[key + "_sha256"] = sha256_hex(read_text_file(file));
+      spec.parameters = Parameters(type.parameters, given, fmt::format("agent '{}'", spec.name));
+    }
+    (void)spec.make();
+  }
 }
 
 /// An agent that plans the whole route needs a route that does not depend on the flight.
@@ -186,7 +201,7 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   read_settings(document, experiment);
   experiment.agents = agents_of(document);
   if (!overrides.agents.empty()) experiment.agents = chosen_agents(experiment.agents, overrides.agents);
-  check_agents(experiment.agents);
+  check_agents(experiment.agents, files);
   experiment.conditions = expand_worlds(document, files);
   check_routes(experiment);
   // The checks above give the better messages, so they come first; the schema has the last word.
@@ -209,6 +224,12 @@ Experiment parse_with(std::string_view json, std::string_view where, const Overr
 }
 
 }  // namespace
+
+flight::Costs Experiment::costs_in(const Condition& condition) const {
+  flight::Costs own = costs;
+  if (condition.kind == WorldKind::generated) own.step_length_m = condition.world.number("route_spacing_m");
+  return own;
+}
 
 const agents::AgentSpec& Experiment::agent(std::string_view agent_name) const {
   std::vector<std::string> names;

@@ -38,7 +38,7 @@ struct Experiment {
   std::uint32_t trials = 0;  ///< per condition
   OnAgentLoss on_agent_loss = OnAgentLoss::restart;
   std::uint32_t max_attempts = 3;
-  flight::Costs costs;
+  flight::Costs costs;  ///< but for the step length, which is the world's: see costs_in
   std::vector<Condition> conditions;
   std::vector<agents::AgentSpec> agents;
   /// Canonical form: every default filled in, keys sorted. Parsing it again gives an equal experiment.
@@ -46,6 +46,8 @@ struct Experiment {
   std::string id;  ///< 16 hexadecimal digits: hash of `canonical` without what cannot change a result (description,
                    ///< file paths; a file counts by its SHA-256)
 
+  /// Of flights in this condition.
+  [[nodiscard]] flight::Costs costs_in(const Condition& condition) const;
   [[nodiscard]] const agents::AgentSpec& agent(std::string_view agent_name) const;  ///< InputError if there is none
 };
 

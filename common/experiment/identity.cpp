@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "common/agents/registry.hpp"
 #include "common/base/digest.hpp"
 #include "common/experiment/file_keys.hpp"
 
@@ -27,6 +28,11 @@ Json identity(const Json& canonical) {
       rest.erase(setting.name);
   for (Json& world : rest.at("worlds"))
     for (const char* key : {"file", "name", "swept"}) world.erase(key);
+  for (Json& agent : rest.at("agents"))
+    if (const std::string& file = agents::agent_type(agent.at("type").get<std::string>()).file_parameter; !file.empty()) {
+      agent.erase(file);
+      if (agent.value(file + "_sha256", "").empty()) agent.erase(file + "_sha256");
+    }
   return rest;
 }
 

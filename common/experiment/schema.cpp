@@ -110,7 +110,7 @@ std::span<const ParameterSpec> file_settings() {
                        "When an agent is lost: fly again from the start, or let the next agent take over."),
       integer_parameter("max_attempts", 3, 1, 100, "How often a trial that fails is tried."),
       number_parameter("speed_m_per_s", flight::Costs{}.speed_m_per_s, 1, 40,
-                       "Of the UAV over ground, for its energy; a step is 10 m of route."),
+                       "Of the UAV along its route, for its energy; a step of a measured flight counts as 10 m."),
       number_parameter("energy_weight", 0, 0, 1e4, "Taken off the reward per joule, in bit/s/Hz or kbit/s."),
       number_parameter("handover_cost", 0, 0, 1e6,
                        "Taken off the reward per change of serving cell, in bit/s/Hz or kbit/s."),

@@ -24,14 +24,10 @@ Experiment two_conditions() {
 }
 
 std::vector<FlightScore> some_scores() {
-  return {
-      {{0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4},
-      {{0, 0, "min-height"}, 4.0, 40.0, 0},
-      {{0, 1, "dqn"}, 9.0, 80.0, 20, 16e3, 5},
-      {{0, 1, "min-height"}, 6.0, 40.0, 0},
-      {{0, 2, "dqn"}, 100.0, 100.0, 30, 20e3, 9},  // whose min-height flight is missing
-      {{0, 3, "min-height"}, 1000.0, 40.0, 0},
-      {{1, 0, "dqn"}, 41234.0, 60.0, 1, 21e3}};
+  return {{{0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4},    {{0, 0, "min-height"}, 4.0, 40.0, 0},
+          {{0, 1, "dqn"}, 9.0, 80.0, 20, 16e3, 5},    {{0, 1, "min-height"}, 6.0, 40.0, 0},
+          {{0, 2, "dqn"}, 100.0, 100.0, 30, 20e3, 9},  // whose min-height flight is missing
+          {{0, 3, "min-height"}, 1000.0, 40.0, 0},    {{1, 0, "dqn"}, 41234.0, 60.0, 1, 21e3}};
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include "common/world/measured_flight.hpp"
 
 namespace aloft::experiment {
-namespace {
 
 std::filesystem::path locate(const std::filesystem::path& given, const std::filesystem::path& folder) {
   std::error_code ignored;
@@ -19,8 +18,6 @@ std::filesystem::path locate(const std::filesystem::path& given, const std::file
                                  std::filesystem::exists(folder / given, ignored);
   return std::filesystem::absolute(beside_experiment ? folder / given : given).lexically_normal();
 }
-
-}  // namespace
 
 std::span<const ParameterSpec> measured_world_parameters() {
   static const std::vector<ParameterSpec> table{

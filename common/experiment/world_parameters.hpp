@@ -15,6 +15,9 @@ struct FileAccess {
   bool always_read = true;       ///< false: a file whose SHA-256 is already known is not touched
 };
 
+/// The absolute path of a file that an experiment names.
+[[nodiscard]] std::filesystem::path locate(const std::filesystem::path& given, const std::filesystem::path& folder);
+
 /// Of a world of kind "measured": the file and the SHA-256 of what it held when the experiment was resolved.
 [[nodiscard]] std::span<const ParameterSpec> measured_world_parameters();
 

@@ -36,8 +36,8 @@ double level_power_w(double speed_m_per_s) noexcept {
          induced_w * std::sqrt(std::sqrt(1.0 + relative * relative) - relative) + parasite_w;
 }
 
-double step_energy_j(double speed_m_per_s, double climb_m) noexcept {
-  const double level_j = level_power_w(speed_m_per_s) * (step_length_m / speed_m_per_s);
+double step_energy_j(const Costs& costs, double climb_m) noexcept {
+  const double level_j = level_power_w(costs.speed_m_per_s) * (costs.step_length_m / costs.speed_m_per_s);
   return climb_m > 0.0 ? level_j + weight_n * climb_m / climb_efficiency : level_j;
 }
 

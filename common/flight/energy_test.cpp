@@ -34,11 +34,12 @@ TEST_CASE("the speeds of longest endurance and longest range are those of the pa
 }
 
 TEST_CASE("a step costs its duration in level flight, and climbing comes on top") {
-  CHECK(step_energy_j(10.0, 0.0) == Approx(126.029).epsilon(1e-5));        // 1 s
-  CHECK(step_energy_j(20.0, 0.0) == Approx(178.2958 / 2).epsilon(1e-5));  // half a second
+  CHECK(step_energy_j({}, 0.0) == Approx(126.029).epsilon(1e-5));                            // 1 s
+  CHECK(step_energy_j({.speed_m_per_s = 20.0}, 0.0) == Approx(178.2958 / 2).epsilon(1e-5));  // half a second
+  CHECK(step_energy_j({.step_length_m = 5.0}, 0.0) == Approx(126.029 / 2).epsilon(1e-5));
   // 20 N * 10 m / 0.7 = 285.714 J.
-  CHECK(step_energy_j(10.0, 10.0) == Approx(126.029 + 285.714).epsilon(1e-5));
-  CHECK(step_energy_j(10.0, -10.0) == step_energy_j(10.0, 0.0));
+  CHECK(step_energy_j({}, 10.0) == Approx(126.029 + 285.714).epsilon(1e-5));
+  CHECK(step_energy_j({}, -10.0) == step_energy_j({}, 0.0));
 }
 
 TEST_CASE("a record knows the energy and the handovers of its flight") {
@@ -61,6 +62,6 @@ TEST_CASE("a record knows the energy and the handovers of its flight") {
   add(70.0, 8);
   add(70.0, 3);
   CHECK(record.handovers() == 2U);
-  CHECK(record.energy_j(10.0) == Approx(6 * 126.029 + 20.0 * (20.0 + 20.0) / 0.7).epsilon(1e-5));
-  CHECK(record.step_energy_j(1, 10.0) == step_energy_j(10.0, 20.0));
+  CHECK(record.energy_j({}) == Approx(6 * 126.029 + 20.0 * (20.0 + 20.0) / 0.7).epsilon(1e-5));
+  CHECK(record.step_energy_j(1, {}) == step_energy_j({}, 20.0));
 }

@@ -34,14 +34,14 @@ std::uint32_t FlightRecord::height_changes() const {
   return changes;
 }
 
-double FlightRecord::step_energy_j(std::size_t index, double speed_m_per_s) const {
+double FlightRecord::step_energy_j(std::size_t index, const Costs& costs) const {
   const double before_m = index == 0 ? height_start_m : steps.at(index - 1).height_m;
-  return flight::step_energy_j(speed_m_per_s, steps.at(index).height_m - before_m);
+  return flight::step_energy_j(costs, steps.at(index).height_m - before_m);
 }
 
-double FlightRecord::energy_j(double speed_m_per_s) const {
+double FlightRecord::energy_j(const Costs& costs) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < steps.size(); ++i) sum += step_energy_j(i, speed_m_per_s);
+  for (std::size_t i = 0; i < steps.size(); ++i) sum += step_energy_j(i, costs);
   return sum;
 }
 
@@ -146,7 +146,7 @@ double Flight::reward(double climb_m) {
   const std::int32_t cell = observation_.serving_cell;
   const bool handover = cell >= 0 && scored_cell_ >= 0 && cell != scored_cell_;
   if (cell >= 0) scored_cell_ = cell;
-  return observation_.qos - costs_.energy_weight * step_energy_j(costs_.speed_m_per_s, climb_m) -
+  return observation_.qos - costs_.energy_weight * step_energy_j(costs_, climb_m) -
          (handover ? costs_.handover_cost : 0.0);
 }
 

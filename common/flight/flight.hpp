@@ -40,8 +40,8 @@ struct FlightRecord {
   [[nodiscard]] std::uint32_t height_changes()
       const;  ///< steps whose height differs from the one before (start: height_min_m)
   /// Of one step, by its index, and of all of them.
-  [[nodiscard]] double step_energy_j(std::size_t index, double speed_m_per_s) const;
-  [[nodiscard]] double energy_j(double speed_m_per_s) const;
+  [[nodiscard]] double step_energy_j(std::size_t index, const Costs& costs) const;
+  [[nodiscard]] double energy_j(const Costs& costs) const;
   /// Changes of serving cell from step to step, where steps with an unknown cell (-1) are passed over; none if no cell
   /// is known at all.
   [[nodiscard]] std::optional<std::uint32_t> handovers() const;
@@ -92,7 +92,7 @@ class Flight {
   agents::Observation observation_;
   FlightRecord record_;
   world::Position position_;
-  std::uint32_t level_ = 0;         // index into the map's height grid
+  std::uint32_t level_ = 0;        // index into the map's height grid
   std::int32_t scored_cell_ = -1;  // that served last in a scored step; -1: none is known
 };
 

@@ -156,7 +156,7 @@ Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std
                              record.qos_mean(),
                              record.height_mean_m(),
                              record.height_changes(),
-                             record.energy_j(experiment.costs.speed_m_per_s),
+                             record.energy_j(experiment.costs_in(experiment.conditions.at(key.condition))),
                              record.handovers(),
                              digest};
 

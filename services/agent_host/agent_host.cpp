@@ -13,6 +13,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/experiment/warnings.hpp"
 #include "services/agent_host/pilot.hpp"
 #include "services/agent_host/thread_pool.hpp"
 #include "services/runtime/run_follower.hpp"
@@ -96,6 +97,9 @@ struct AgentHost::State {
     experiment = follower.experiment();
     reports.expect_experiment(experiment->id);
     for (const agents::AgentSpec& spec : experiment->agents) serve(spec);
+    for (const experiment::Warning& warning : experiment::warnings(*experiment))
+      if (std::any_of(served.begin(), served.end(), [&](const auto* spec) { return spec->name == warning.agent; }))
+        spdlog::warn(warning.text);
     publish_status(wire::AGENT_READY);
   }
 

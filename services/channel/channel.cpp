@@ -221,7 +221,8 @@ struct Channel::State {
     // Our own agents see what their type declares; only a foreign program may say so itself.
     const agents::Privilege privilege = type.foreign ? bus::from_wire(declared) : type.privilege;
     auto& episode = episodes[address.stream];
-    episode = std::make_unique<Episode>(address, spec, privilege, *trial.map, experiment->seed, experiment->costs, now);
+    episode = std::make_unique<Episode>(address, spec, privilege, *trial.map, experiment->seed,
+                                        experiment->costs_in(experiment->conditions.at(trial.condition)), now);
     leases[address.stream] = trial.lease_id;
     ++trial.in_the_air;
     ask(*episode);

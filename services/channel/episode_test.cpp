@@ -20,7 +20,8 @@ const Clock::time_point start = Clock::now();
 struct Talk {
   explicit Talk(const nlohmann::json& agent, agents::Privilege privilege = agents::Privilege::none)
       : spec(agents::parse_agents(agent, "test").at(0)),
-        episode({.experiment_id = "e", .episode_id = 99, .attempt = 4, .stream = 7}, spec, privilege, map, 1, {.energy_weight = 0.01}, start) {}
+        episode({.experiment_id = "e", .episode_id = 99, .attempt = 4, .stream = 7}, spec, privilege, map, 1,
+                {.energy_weight = 0.01}, start) {}
 
   void ask(Clock::time_point now = start) {
     profiles.clear();

@@ -45,7 +45,7 @@ std::map<FlightKey, std::string> expected_traces(const experiment::Experiment& e
         if (agents::agent_type(spec.type).foreign) continue;
         const auto agent = spec.make();
         traces[{condition.index, trial, spec.name}] =
-            store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec, experiment.costs));
+            store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec, experiment.costs_in(condition)));
       }
     }
   return traces;

@@ -30,6 +30,7 @@ nlohmann::json as_json(const AgentType& type) {
           {"unconstrained", type.unconstrained},
           {"learns", type.learns},
           {"name_parameter", type.name_parameter.empty() ? nlohmann::json() : nlohmann::json(type.name_parameter)},
+          {"provenance", type.provenance ? type.provenance() : nlohmann::json()},
           {"parameters", schema_properties(type.parameters)}};
 }
 
@@ -54,6 +55,9 @@ void print_text(const AgentType& type) {
   fmt::print("{}{}\n    {}\n", type.name, marks, type.description);
   if (!type.name_parameter.empty())
     fmt::print("    {}-VALUE is short for {} = VALUE\n", type.name, type.name_parameter);
+  if (type.provenance)
+    for (const auto& [key, value] : type.provenance().items())
+      fmt::print("    {}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   const nlohmann::json properties = schema_properties(type.parameters);
   for (const ParameterSpec& spec : type.parameters) {
     const nlohmann::json& property = properties[spec.name];

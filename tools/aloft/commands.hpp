@@ -15,6 +15,7 @@ using Job = std::function<int()>;
 /// Each adds one subcommand to `app`; when the command line names it, `job` is set.
 void add_run(CLI::App& app, Job& job);
 void add_reproduce(CLI::App& app, Job& job);
+void add_tournament(CLI::App& app, Job& job);
 void add_report(CLI::App& app, Job& job);
 void add_validate(CLI::App& app, Job& job);
 void add_agents(CLI::App& app, Job& job);

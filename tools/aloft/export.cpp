@@ -79,7 +79,7 @@ void export_flights(const store::ResultStore& results, RowWriter& rows) {
   }
 }
 
-Row step_row(Row row, const flight::FlightRecord& record, std::size_t index, double speed_m_per_s) {
+Row step_row(Row row, const flight::FlightRecord& record, std::size_t index, const flight::Costs& costs) {
   const flight::StepRecord& step = record.steps[index];
   row["step"] = step.step;
   row["action"] = action_name(step.action);
@@ -91,7 +91,7 @@ Row step_row(Row row, const flight::FlightRecord& record, std::size_t index, dou
   row["serving_sinr_db"] = step.serving_sinr_db;
   row["qos"] = step.qos;
   row["reward"] = step.reward;
-  row["energy_j"] = record.step_energy_j(index, speed_m_per_s);
+  row["energy_j"] = record.step_energy_j(index, costs);
   const auto& thoughts = step.introspection;
   const auto optional = [&](double value) { return thoughts ? Row(value) : Row(); };
   row["epsilon"] = optional(thoughts ? thoughts->epsilon : 0.0);
@@ -106,8 +106,9 @@ void export_steps(const store::ResultStore& results, RowWriter& rows) {
   for (const store::FlightSummary& flight : results.flights()) {
     const Row key = key_row(results.experiment(), flight.key);
     const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
-    for (std::size_t i = 0; i < record.steps.size(); ++i)
-      rows.write(step_row(key, record, i, results.experiment().costs.speed_m_per_s));
+    const auto& experiment = results.experiment();
+    const flight::Costs costs = experiment.costs_in(experiment.conditions.at(flight.key.condition));
+    for (std::size_t i = 0; i < record.steps.size(); ++i) rows.write(step_row(key, record, i, costs));
   }
 }
 

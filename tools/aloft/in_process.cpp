@@ -98,7 +98,8 @@ class Run {
       const auto agent = spec.make();
       if (const auto earlier = spec.remembered_trial(trial))
         agent->restore_state(memory_after({condition.index, *earlier, spec.name}));
-      const flight::FlightRecord record = flight::fly(*map, experiment_.seed, trial, *agent, spec, experiment_.costs);
+      const flight::FlightRecord record =
+          flight::fly(*map, experiment_.seed, trial, *agent, spec, experiment_.costs_in(condition));
       flown.push_back(
           {std::move(key), store::encode_trace(record), spec.lineages() > 0 ? agent->save_state() : std::string()});
     }

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/text_file.hpp"
+#include "common/experiment/warnings.hpp"
 #include "common/store/result_store.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "tools/aloft/in_process.hpp"
@@ -74,6 +75,8 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
                    const FlyingOptions& options) {
   std::signal(SIGINT, note_interrupt);
   std::signal(SIGTERM, note_interrupt);
+  for (const experiment::Warning& warning : experiment::warnings(experiment))
+    fmt::print(stderr, "warning: {}\n", warning.text);
   std::vector<std::string> failures;
   const bool complete = fly_missing(experiment, dir, options, failures);
   for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", line);

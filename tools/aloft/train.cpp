@@ -1,7 +1,10 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <array>
 #include <atomic>
-#include <fstream>
+#include <chrono>
+#include <csignal>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -9,6 +12,7 @@
 #include "common/agents/pretrained_model.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/experiment/text_file.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/train/config.hpp"
 #include "tools/train/parallel.hpp"
@@ -23,42 +27,132 @@ struct TrainOptions {
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
 };
 
-/// A file appears whole or not at all.
-void write_file(const std::filesystem::path& file, const std::string& bytes) {
-  const std::filesystem::path part = file.string() + ".part";
-  std::ofstream stream(part, std::ios::binary);
-  stream << bytes;
-  stream.close();
-  if (!stream) throw InputError(fmt::format("{}: cannot be written; choose another --out", file.string()));
-  std::filesystem::rename(part, file);
+std::atomic<bool> interrupted = false;
+
+extern "C" void note_training_interrupt(int /*signal*/) {
+  interrupted = true;
+}
+
+/// The networks that a model holds.
+constexpr std::array kinds{agents::QosKind::spectral_efficiency, agents::QosKind::throughput};
+
+std::string key_of(agents::QosKind kind) {
+  return kind == agents::QosKind::throughput ? "throughput" : "spectral_efficiency";
+}
+
+/// The status line and the validation log of both trainings, which run side by side.
+class Desk {
+ public:
+  explicit Desk(std::filesystem::path log) : log_(std::move(log)) {}
+
+  void progress(std::size_t side, const std::string& phase, double share) {
+    const std::lock_guard lock(mutex_);
+    status_.at(side) = fmt::format("{}: {} {:.0f} %", key_of(kinds.at(side)), phase, 100.0 * share);
+    const auto now = Clock::now();
+    if (now - drawn_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10'000))) return;
+    drawn_ = now;
+    const std::string line = status_[0] + (status_[0].empty() || status_[1].empty() ? "" : "    ") + status_[1];
+    fmt::print(stderr, "{}{}{}", erase(), line, terminal_ ? "" : "\n");
+    std::fflush(stderr);
+  }
+
+  /// All lines of one side; the last one is news.
+  void validated(std::size_t side, const std::vector<std::string>& lines) {
+    const std::lock_guard lock(mutex_);
+    if (lines.empty()) return;
+    lines_.at(side) = lines;
+    fmt::print(stderr, "{}{}\n", erase(), lines.back());
+    std::string text;
+    for (const auto& of_side : lines_)
+      for (const std::string& line : of_side) text += line + '\n';
+    experiment::write_text_file(log_, text);
+  }
+
+  void finished(std::size_t side) {
+    const std::lock_guard lock(mutex_);
+    status_.at(side).clear();
+  }
+
+  void say(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    fmt::print(stderr, "{}{}\n", erase(), line);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] const char* erase() const { return terminal_ ? "\r\033[K" : ""; }
+
+  std::filesystem::path log_;
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+  std::mutex mutex_;
+  Clock::time_point drawn_ = Clock::now();
+  std::array<std::string, kinds.size()> status_;
+  std::array<std::vector<std::string>, kinds.size()> lines_;
+};
+
+std::filesystem::path checkpoint_of(const TrainOptions& options, agents::QosKind kind) {
+  return fmt::format("{}.{}.checkpoint", options.out.string(), key_of(kind));
+}
+
+/// Trains the network of one side, from its checkpoint if there is one.
+std::vector<float> train_side(const TrainOptions& options, std::size_t side, const Parameters& settings,
+                              unsigned threads, Desk& desk) {
+  const std::filesystem::path checkpoint = checkpoint_of(options, kinds.at(side));
+  const train::Watch watch{
+      [&](const std::string& phase, double share) { desk.progress(side, phase, share); },
+      [] { return interrupted.load(); },
+  };
+  train::Trainer trainer(kinds.at(side), settings, threads, watch);
+  if (std::filesystem::exists(checkpoint)) {
+    try {
+      trainer.restore_state(experiment::read_text_file(checkpoint));
+    } catch (const IntegrityError& error) {
+      throw InputError(
+          fmt::format("{}: cannot go on from this checkpoint: {}. It may be of another configuration: delete it to "
+                      "train from the start, or use another --out",
+                      checkpoint.string(), error.what()));
+    }
+    desk.say(fmt::format("{}: goes on from {}", key_of(kinds.at(side)), checkpoint.string()));
+    desk.validated(side, trainer.validation_log());
+  }
+  while (!trainer.finished()) {
+    trainer.train_round();
+    experiment::write_text_file(checkpoint, trainer.save_state());
+    desk.validated(side, trainer.validation_log());
+  }
+  desk.finished(side);
+  return trainer.best_weights();
 }
 
 int train_pretrained(const TrainOptions& options) {
   const train::Config config = train::read_config(options.config);
   if (!options.out.parent_path().empty() && !std::filesystem::is_directory(options.out.parent_path()))
     throw InputError(fmt::format("{}: its folder does not exist; create it first", options.out.string()));
-  std::mutex mutex;
-  const train::Log log = [&](const std::string& line) {
-    const std::lock_guard lock(mutex);
-    fmt::print(stderr, "{}\n", line);
-  };
+  std::signal(SIGINT, note_training_interrupt);
+  std::signal(SIGTERM, note_training_interrupt);
+  Desk desk(options.out.string() + ".log");
   agents::PretrainedModel model;
   // Fitting uses one thread, so the two networks are trained side by side.
   const unsigned sides = std::min(options.threads, 2U);
-  train::for_each_item(2, sides, [&](unsigned /*thread*/, std::size_t side) {
-    const auto kind = side == 0 ? agents::QosKind::spectral_efficiency : agents::QosKind::throughput;
-    const Parameters& settings = side == 0 ? config.spectral_efficiency : config.throughput;
-    auto& network = side == 0 ? model.spectral_efficiency : model.throughput;
-    network.hidden_width = static_cast<std::size_t>(settings.integer("hidden_width"));
-    network.weights = train::Trainer(kind, settings, options.threads / sides, log).train();
-  });
+  try {
+    train::for_each_item(kinds.size(), sides, [&](unsigned /*thread*/, std::size_t side) {
+      const Parameters& settings = side == 0 ? config.spectral_efficiency : config.throughput;
+      auto& network = side == 0 ? model.spectral_efficiency : model.throughput;
+      network.hidden_width = static_cast<std::size_t>(settings.integer("hidden_width"));
+      network.weights = train_side(options, side, settings, options.threads / sides, desk);
+    });
+  } catch (const train::Interrupted&) {
+    desk.say("Interrupted. The same command goes on after the last round that was finished.");
+    return exit_interrupted;
+  }
   model.training_config = config.canonical().dump();
   const std::string bytes = model.to_bytes();
-  write_file(options.out, bytes);
-  write_file(options.out.string() + ".sha256",
-             fmt::format("{}  {}\n", sha256_hex(bytes), options.out.filename().string()));
+  experiment::write_text_file(options.out, bytes);
+  experiment::write_text_file(options.out.string() + ".sha256",
+                              fmt::format("{}  {}\n", sha256_hex(bytes), options.out.filename().string()));
+  for (const agents::QosKind kind : kinds) std::filesystem::remove(checkpoint_of(options, kind));
   fmt::print("{}: {} bytes, SHA-256 {}\n", options.out.string(), bytes.size(), sha256_hex(bytes));
-  return 0;
+  return exit_ok;
 }
 
 }  // namespace
@@ -66,10 +160,16 @@ int train_pretrained(const TrainOptions& options) {
 void add_train(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand("train", "Train a network that is then shipped and flown without learning");
   command->require_subcommand(1);
-  auto* pretrained = command->add_subcommand("pretrained", "Train the model of agent 'pretrained' on generated worlds");
+  auto* pretrained = command->add_subcommand(
+      "pretrained",
+      "Train the model of agent 'pretrained' on generated worlds; stopped or killed, the same command goes on");
   auto options = std::make_shared<TrainOptions>();
   pretrained->add_option("--config", options->config, "Training configuration, JSON")->required();
-  pretrained->add_option("--out", options->out, "Model file to write; its SHA-256 goes beside it")->required();
+  pretrained
+      ->add_option("--out", options->out,
+                   "Model file to write; beside it its SHA-256, the validation log and, until it "
+                   "is finished, checkpoints")
+      ->required();
   pretrained->add_option("--threads", options->threads, "Threads; the result is the same for any number")
       ->check(CLI::Range(1U, 1'024U));
   pretrained->callback([options, &job] { job = [options] { return train_pretrained(*options); }; });

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "common/experiment/warnings.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -14,6 +15,7 @@ void print_summary(const experiment::Experiment& experiment) {
     fmt::print("  condition {}: {}\n", condition.index, condition.name);
   for (const auto& agent : experiment.agents)
     fmt::print("  agent {} {}\n", agent.name, agent.parameters.to_json().dump());
+  for (const auto& warning : experiment::warnings(experiment)) fmt::print("  warning: {}\n", warning.text);
 }
 
 }  // namespace
@@ -28,11 +30,16 @@ void add_validate(CLI::App& app, Job& job) {
   command->callback([options, format, &job] {
     job = [options, format] {
       const experiment::Experiment experiment = options->load();
-      if (*format == "json")
-        fmt::print("{}\n",
-                   nlohmann::json{{"experiment_id", experiment.id}, {"resolved", experiment.canonical}}.dump(2));
-      else
+      if (*format == "json") {
+        nlohmann::json warnings = nlohmann::json::array();
+        for (const auto& warning : experiment::warnings(experiment)) warnings.push_back(warning.text);
+        fmt::print("{}\n", nlohmann::json{{"experiment_id", experiment.id},
+                                          {"resolved", experiment.canonical},
+                                          {"warnings", std::move(warnings)}}
+                               .dump(2));
+      } else {
         print_summary(experiment);
+      }
       return 0;
     };
   });

@@ -37,7 +37,8 @@ class MeasuredRun {
         if (!keep(key)) continue;
         const auto map = experiment::make_signal_map(experiment, experiment.conditions[0], trial);
         const auto agent = spec.make();
-        results.add(key, store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec, experiment.costs)));
+        results.add(key, store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec,
+                                                         experiment.costs_in(experiment.conditions[0]))));
       }
   }
 

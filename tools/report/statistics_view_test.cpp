@@ -38,10 +38,10 @@ TEST_CASE("Gains pair the trials that both agents have flown", "[report]") {
 }
 
 TEST_CASE("The share of the head-room runs from min-height to the planner", "[report]") {
-  const json view = statistics_view(condition(1, 200,
-                                              {agent("min-height", "min-height", {4.0, 6.0}),
-                                               agent("planner", "planner", {10.0, 8.0}),  // gains 6 and 2
-                                               agent("dqn", "dqn", {5.0, 6.0})}));
+  const json view = statistics_view(condition(
+      1, 200,
+      {agent("min-height", "min-height", {4.0, 6.0}), agent("planner", "planner", {10.0, 8.0}),  // gains 6 and 2
+       agent("dqn", "dqn", {5.0, 6.0})}));
   CHECK(view["agents"][0]["headroom_share"] == 0.0);
   CHECK(view["agents"][1]["headroom_share"] == 1.0);
   CHECK(view["agents"][2]["headroom_share"] == 0.125);  // 0.5 of 4

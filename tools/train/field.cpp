@@ -4,11 +4,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/agents/training_worlds.hpp"
 #include "common/base/random.hpp"
 #include "common/radio/generated_map.hpp"
 #include "common/radio/generated_world.hpp"
 #include "common/world/city.hpp"
-#include "tools/train/parallel.hpp"
 
 namespace aloft::train {
 namespace {
@@ -20,6 +20,11 @@ agents::PretrainedReport report_of(agents::QosKind kind, std::uint32_t level, co
   observation.neighbour_sinr_db = reading.neighbour_sinr_db;
   observation.qos = reading.qos;
   return agents::pretrained_report(kind, level, observation);
+}
+
+/// From low to high, both included.
+std::uint32_t between(RandomStream& random, std::uint32_t low, std::uint32_t high) {
+  return low + random.uniform_index(high - low + 1);
 }
 
 /// One value per level, standard deviation 1, correlation r from each level to the next.
@@ -49,14 +54,17 @@ Field field_of(radio::SignalMap& map) {
 
 Field generated_field(double bs_density_per_km2, std::uint64_t seed, std::uint32_t trial) {
   const Parameters world = radio::resolve_generated_world(
-      {{"bs_density_per_km2", bs_density_per_km2}, {"height_resolution_m", 10.0}}, "world");
+      {{"bs_density_per_km2", bs_density_per_km2},
+       {"building_density_per_km2", agents::training_worlds.building_density_per_km2},
+       {"height_resolution_m", 10.0}}, "world");
   const world::City city = world::generate_city(world, seed, trial);
   return field_of(*radio::make_generated_map(world, city, seed, trial));
 }
 
 Field random_throughput_field(std::uint64_t seed, std::uint32_t trial) {
   RandomStream random(seed, trial, "throughput field");
-  Field field{agents::QosKind::throughput, 8 + random.uniform_index(9), 120 + random.uniform_index(81), 0, {}};
+  Field field{agents::QosKind::throughput, between(random, agents::training_worlds.measured_levels_min, agents::training_worlds.measured_levels_max),
+              between(random, agents::training_worlds.measured_steps_min, agents::training_worlds.measured_steps_max), 0, {}};
   const double fall = random.uniform(-0.1, 0.6);  // from the lowest height to far above
   const double fall_levels = random.uniform(1.0, 8.0);
   const double constant_sd = random.uniform(0.05, 0.25);
@@ -81,12 +89,6 @@ Field random_throughput_field(std::uint64_t seed, std::uint32_t trial) {
       change[k] = persistence * change[k] + std::sqrt(1.0 - persistence * persistence) * fresh[k];
   }
   return field;
-}
-
-std::vector<Field> make_fields(std::size_t count, unsigned threads, const std::function<Field(std::size_t)>& make) {
-  std::vector<Field> fields(count);
-  for_each_item(count, threads, [&](unsigned /*thread*/, std::size_t i) { fields[i] = make(i); });
-  return fields;
 }
 
 std::vector<double> best_values(const Field& field, double discount) {

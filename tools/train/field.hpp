@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "common/agents/pretrained_state.hpp"
@@ -32,10 +31,6 @@ struct Field {
 /// A random throughput over heights and steps: a profile that falls with height, changed by Gaussian fields that are
 /// correlated over heights, constant or slowly changing over steps. How strongly differs from field to field.
 [[nodiscard]] Field random_throughput_field(std::uint64_t seed, std::uint32_t trial);
-
-/// make(0), make(1), ... on `threads` threads.
-[[nodiscard]] std::vector<Field> make_fields(std::size_t count, unsigned threads,
-                                             const std::function<Field(std::size_t)>& make);
 
 /// The discounted sum of future qualities on the best feasible flight: [step][level], steps 0 to steps (zero).
 [[nodiscard]] std::vector<double> best_values(const Field& field, double discount);

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/agents/pretrained_model.hpp"
+#include "common/agents/state_archive.hpp"
+#include "common/agents/training_worlds.hpp"
 #include "common/base/random.hpp"
-#include "tools/train/parallel.hpp"
 
 namespace aloft::train {
 namespace {
@@ -17,8 +19,10 @@ using agents::PretrainedState;
 using agents::QosKind;
 
 constexpr std::size_t worlds_per_item = 16;
-constexpr std::array<double, 5> densities = {1.0, 1.7, 2.5, 3.5, 5.0};  // base stations per km2
-constexpr std::array<double, 3> held_out_densities = {1.0, 2.5, 5.0};
+// Base stations per km2.
+constexpr std::array<double, 5> densities = {agents::training_worlds.bs_density_min_per_km2, 1.7, 2.5, 3.5,
+                                             agents::training_worlds.bs_density_max_per_km2};
+constexpr std::array<double, 3> held_out_densities = {densities.front(), 2.5, densities.back()};
 constexpr std::uint32_t held_out_trials = 1'000'000;  // trials from here on are never trained on
 
 std::uint64_t seed_of(const Parameters& settings) {
@@ -30,6 +34,20 @@ Field make_field(QosKind kind, std::uint64_t seed, std::size_t i, std::span<cons
   return generated_field(of[i % of.size()], seed, first + static_cast<std::uint32_t>(i / of.size()));
 }
 
+const char* name_of(QosKind kind) {
+  return kind == QosKind::throughput ? "throughput" : "spectral efficiency";
+}
+
+std::string state_type(QosKind kind) {
+  return fmt::format("training of {}", name_of(kind));
+}
+
+double total_gain(const std::vector<Validation>& groups) {
+  double gain = 0.0;
+  for (const Validation& group : groups) gain += group.network - group.min_height;
+  return gain;
+}
+
 /// A stream of its own for every (round, world).
 RandomStream stream_of(const Parameters& settings, std::uint32_t round, std::size_t world) {
   return {seed_of(settings), static_cast<std::uint32_t>(world), fmt::format("training flight {}", round)};
@@ -37,50 +55,61 @@ RandomStream stream_of(const Parameters& settings, std::uint32_t round, std::siz
 
 }  // namespace
 
-Trainer::Trainer(QosKind kind, const Parameters& settings, unsigned threads, Log log)
+Trainer::Trainer(QosKind kind, const Parameters& settings, unsigned threads, Watch watch)
     : kind_(kind),
       settings_(settings),
       threads_(threads),
-      log_(std::move(log)),
+      watch_(std::move(watch)),
       shape_(agents::pretrained_shape(static_cast<std::size_t>(settings.integer("hidden_width")))) {
   RandomStream random(seed_of(settings), 0, "initial weights");
   weights_ = learn::initial_state(shape_, random).weights;
   for (unsigned i = 0; i < threads; ++i) networks_.push_back(learn::make_network(shape_, {}));
-  const auto count = [&](const char* name) { return static_cast<std::size_t>(settings.integer(name)); };
-  fields_ = make_fields(count("worlds"), threads,
-                        [&](std::size_t i) { return make_field(kind, seed_of(settings), i, densities, 0); });
-  held_out_ = make_fields(count("validation_worlds"), threads, [&](std::size_t i) {
-    return make_field(kind, seed_of(settings), i, held_out_densities, held_out_trials);
+  const auto make = [&](std::vector<Field>& to, const char* count, std::span<const double> of, std::uint32_t first) {
+    to.resize(static_cast<std::size_t>(settings.integer(count)));
+    for_each_item(to.size(), threads, watch_, "worlds", [&](unsigned /*thread*/, std::size_t i) {
+      to[i] = make_field(kind, seed_of(settings), i, of, first);
+    });
+  };
+  make(fields_, "worlds", densities, 0);
+  make(held_out_, "validation_worlds", held_out_densities, held_out_trials);
+}
+
+bool Trainer::finished() const noexcept {
+  return next_round_ > static_cast<std::uint32_t>(settings_.integer("rounds"));
+}
+
+std::string Trainer::phase(std::uint32_t round, const char* what) const {
+  return fmt::format("round {} of {}: {}", round, settings_.integer("rounds"), what);
+}
+
+void Trainer::train_round() {
+  const std::uint32_t round = next_round_;
+  rounds_.push_back({round, weights_, samples_of(round)});
+  // What was imitated with full information is no value of a policy.
+  if (round == 1 || rounds_.size() > static_cast<std::size_t>(settings_.integer("reused_rounds")))
+    rounds_.erase(rounds_.begin());
+  fit(round);
+  validations_.push_back(validate(round));
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t before = 0; before + 1 < validations_.size(); ++before)
+    most = std::max(most, total_gain(validations_[before]));
+  if (total_gain(validations_.back()) > most) best_ = weights_;
+  ++next_round_;
+}
+
+Samples Trainer::samples_of(std::uint32_t round) {
+  return collect(round, [&](GreedyPolicy& policy, std::size_t first, std::size_t last, Samples& to) {
+    if (round == 0)
+      imitate(first, last, to);
+    else
+      visit(round, policy, first, last, to);
   });
 }
 
-std::vector<float> Trainer::train() {
-  std::vector<float> best;
-  double best_gain = -1e300;
-  const auto rounds = static_cast<std::uint32_t>(settings_.integer("rounds"));
-  for (std::uint32_t round = 0; round <= rounds; ++round) {
-    rounds_.push_back(collect([&](GreedyPolicy& policy, std::size_t first, std::size_t last, Samples& to) {
-      if (round == 0)
-        imitate(first, last, to);
-      else
-        visit(round, policy, first, last, to);
-    }));
-    // What was imitated with full information is no value of a policy.
-    if (round == 1 || rounds_.size() > static_cast<std::size_t>(settings_.integer("reused_rounds")))
-      rounds_.erase(rounds_.begin());
-    fit(round);
-    const double gain = validate(round);
-    if (gain <= best_gain) continue;
-    best_gain = gain;
-    best = weights_;
-  }
-  return best;
-}
-
-Samples Trainer::collect(const Collect& from) {
+Samples Trainer::collect(std::uint32_t round, const Collect& from) {
   for (const auto& network : networks_) network->load({weights_, {}, {}, 0});
   std::vector<Samples> parts((fields_.size() + worlds_per_item - 1) / worlds_per_item);
-  for_each_item(parts.size(), threads_, [&](unsigned thread, std::size_t item) {
+  for_each_item(parts.size(), threads_, watch_, phase(round, "flights"), [&](unsigned thread, std::size_t item) {
     GreedyPolicy policy(*networks_[thread]);
     const std::size_t first = item * worlds_per_item;
     from(policy, first, std::min(first + worlds_per_item, fields_.size()), parts[item]);
@@ -154,13 +183,14 @@ void Trainer::visit(std::uint32_t round, GreedyPolicy& policy, std::size_t first
 void Trainer::fit(std::uint32_t round) {
   constexpr std::size_t pieces = 100;  // of equal learning rate
   std::vector<std::pair<const Samples*, std::size_t>> where;
-  for (const Samples& samples : rounds_)
-    for (std::size_t i = 0; i < samples.size(); ++i) where.emplace_back(&samples, i);
+  for (const Round& source : rounds_)
+    for (std::size_t i = 0; i < source.samples.size(); ++i) where.emplace_back(&source.samples, i);
   RandomStream random(seed_of(settings_), round, "minibatches");
   learn::NetworkState state{weights_, {}, {}, 0};
   learn::Minibatch batch{learn::batch_lanes, {}, {}, std::vector<float>(learn::batch_lanes * action_count, 1.0F)};
   const auto updates = static_cast<std::size_t>(settings_.integer("updates"));
   for (std::size_t piece = 0; piece < pieces; ++piece) {
+    watch_.tell(phase(round, "fit"), static_cast<double>(piece) / static_cast<double>(pieces));
     const double done = (static_cast<double>(piece) + 0.5) / static_cast<double>(pieces);
     const double rate = settings_.number("learning_rate") * 0.5 * (1.0 + std::cos(std::numbers::pi * done));
     const auto network = learn::make_network(shape_, {.learning_rate = rate});
@@ -185,32 +215,86 @@ void Trainer::fit(std::uint32_t round) {
   weights_ = state.weights;
 }
 
-double Trainer::validate(std::uint32_t round) {
+std::vector<Validation> Trainer::validate(std::uint32_t round) {
   for (const auto& network : networks_) network->load({weights_, {}, {}, 0});
   std::vector<Validation> flights(held_out_.size());
-  for_each_item(flights.size(), threads_, [&](unsigned thread, std::size_t i) {
+  for_each_item(flights.size(), threads_, watch_, phase(round, "validation"), [&](unsigned thread, std::size_t i) {
     GreedyPolicy policy(*networks_[thread]);
     flights[i] = fly_held_out(i, policy);
   });
-  const std::size_t groups = kind_ == QosKind::throughput ? 1 : held_out_densities.size();
-  std::string text;
-  double gain = 0.0;
-  for (std::size_t group = 0; group < groups; ++group) {
-    Validation mean;
+  std::vector<Validation> groups(kind_ == QosKind::throughput ? 1 : held_out_densities.size());
+  for (std::size_t group = 0; group < groups.size(); ++group) {
+    Validation& mean = groups[group];
     double count = 0.0;
-    for (std::size_t i = group; i < flights.size(); i += groups, ++count) {
+    for (std::size_t i = group; i < flights.size(); i += groups.size(), ++count) {
       mean.network += flights[i].network;
       mean.min_height += flights[i].min_height;
       mean.best += flights[i].best;
     }
-    text +=
-        fmt::format("  {}{:+.3f} of {:+.3f}", groups > 1 ? fmt::format("{} per km2: ", held_out_densities[group]) : "",
-                    (mean.network - mean.min_height) / count, (mean.best - mean.min_height) / count);
-    gain += (mean.network - mean.min_height) / count;
+    mean = {mean.network / count, mean.min_height / count, mean.best / count};
   }
-  log_(fmt::format("{} round {}: gain over min-height of the best feasible{}",
-                   kind_ == QosKind::throughput ? "throughput" : "spectral efficiency", round, text));
-  return gain;
+  return groups;
+}
+
+std::vector<std::string> Trainer::validation_log() const {
+  std::vector<std::string> lines;
+  for (const std::vector<Validation>& groups : validations_) {
+    std::string text;
+    for (std::size_t group = 0; group < groups.size(); ++group)
+      text += fmt::format(
+          "  {}{:+.3f} of {:+.3f}", groups.size() > 1 ? fmt::format("{} per km2: ", held_out_densities.at(group)) : "",
+          groups[group].network - groups[group].min_height, groups[group].best - groups[group].min_height);
+    lines.push_back(
+        fmt::format("{} round {}: gain over min-height of the best feasible{}", name_of(kind_), lines.size(), text));
+  }
+  return lines;
+}
+
+std::string Trainer::save_state() const {
+  agents::StateWriter writer(state_type(kind_), settings_);
+  writer.put("weights", std::span(weights_));
+  writer.put("best", std::span(best_));
+  std::vector<double> validations;
+  for (const auto& groups : validations_)
+    for (const Validation& group : groups)
+      validations.insert(validations.end(), {group.network, group.min_height, group.best});
+  writer.put("validations", std::span<const double>(validations));
+  std::vector<std::int64_t> numbers;
+  std::vector<float> weights;
+  for (const Round& round : rounds_) {
+    numbers.push_back(round.number);
+    weights.insert(weights.end(), round.weights.begin(), round.weights.end());
+  }
+  writer.put("rounds", std::span<const std::int64_t>(numbers));
+  writer.put("rounds_weights", std::span<const float>(weights));
+  return writer.bytes();
+}
+
+void Trainer::restore_state(std::string_view bytes) {
+  const agents::StateReader reader(bytes, state_type(kind_), settings_);
+  const std::size_t groups = kind_ == QosKind::throughput ? 1 : held_out_densities.size();
+  const std::span<const double> validations = reader.doubles("validations");
+  const std::span<const std::int64_t> numbers = reader.integers("rounds");
+  const std::span<const float> weights = reader.floats("rounds_weights");
+  if (validations.size() % (3 * groups) != 0 || weights.size() != numbers.size() * weights_.size())
+    reader.refuse("its parts do not fit each other");
+  validations_.clear();
+  for (std::size_t i = 0; i < validations.size(); i += 3) {
+    if (i % (3 * groups) == 0) validations_.emplace_back();
+    validations_.back().push_back({validations[i], validations[i + 1], validations[i + 2]});
+  }
+  next_round_ = static_cast<std::uint32_t>(validations_.size());
+  best_.resize(weights_.size());
+  reader.get("best", std::span(best_));
+  // Samples are large, and follow from the weights.
+  rounds_.clear();
+  for (std::size_t i = 0; i < numbers.size() && !finished(); ++i) {
+    const auto own = weights.subspan(i * weights_.size(), weights_.size());
+    weights_.assign(own.begin(), own.end());
+    const auto number = static_cast<std::uint32_t>(numbers[i]);
+    rounds_.push_back({number, weights_, samples_of(number)});
+  }
+  reader.get("weights", std::span(weights_));
 }
 
 Validation Trainer::fly_held_out(std::size_t world, GreedyPolicy& policy) const {

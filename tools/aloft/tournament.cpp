@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "common/base/error.hpp"
+#include "common/experiment/text_file.hpp"
+#include "common/experiment/trial_world.hpp"
+#include "common/flight/flight.hpp"
+#include "tools/aloft/commands.hpp"
+#include "tools/aloft/local_experiment.hpp"
+#include "tools/report/report.hpp"
+#include "tools/report/tournament_table.hpp"
+
+namespace aloft::cli {
+namespace {
+
+struct TournamentOptions {
+  ExperimentOptions experiment;
+  std::vector<std::string> data;
+  std::filesystem::path out = "results/tournament";
+  std::filesystem::path picture;
+  FlyingOptions flying;
+};
+
+/// The agents of `cities` over one measured flight, named after its file.
+experiment::Experiment over_measured(const experiment::Experiment& cities, const std::string& file) {
+  nlohmann::json document = cities.canonical;
+  const std::string name = std::filesystem::path(file).stem().string();
+  document["name"] = fmt::format("{}-{}", cities.name, name);
+  document["worlds"] = nlohmann::json::array({{{"kind", "measured"}, {"name", name}, {"file", file}}});
+  return experiment::parse(document.dump(), "--data " + file);
+}
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// CPU time per step of every agent on the first condition: everything but the radio, which is computed beforehand.
+report::StepCosts measure_step_costs(const experiment::Experiment& experiment) {
+  constexpr double enough_s = 0.2;
+  constexpr std::uint32_t most_flights = 1'000;
+  const auto map = experiment::make_signal_map(experiment, experiment.conditions.front(), 0);
+  map->prepare();
+  report::StepCosts costs;
+  for (const agents::AgentSpec& spec : experiment.agents) {
+    if (agents::agent_type(spec.type).foreign) continue;
+    (void)spec.make();  // what is read once per process
+    std::uint64_t steps = 0;
+    const double started_s = thread_cpu_s();
+    double spent_s = 0.0;
+    for (std::uint32_t flight = 0; flight < most_flights && spent_s < enough_s; ++flight) {
+      const auto agent = spec.make();
+      steps +=
+          flight::fly(*map, experiment.seed, flight, *agent, spec, experiment.costs_in(experiment.conditions.front()))
+              .steps.size();
+      spent_s = thread_cpu_s() - started_s;
+    }
+    costs[spec.name] = 1e6 * spent_s / static_cast<double>(steps);
+  }
+  return costs;
+}
+
+int fly_all(const std::vector<experiment::Experiment>& all, const TournamentOptions& options) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    fmt::print(stderr, "{} of {}: {}, {} flights\n", i + 1, all.size(), all[i].name,
+               std::uint64_t{all[i].trials} * all[i].conditions.size() * all[i].agents.size());
+    const int exit_code = fly_experiment(all[i], options.out / all[i].name, options.flying);
+    if (exit_code != exit_ok) return exit_code;
+  }
+  return exit_ok;
+}
+
+void save_picture(const TournamentOptions& options, const std::string& experiment) {
+  const std::filesystem::path chart = options.out / "charts" / (experiment + "-gains.svg");
+  if (!std::filesystem::exists(chart))
+    throw InputError(
+        fmt::format("--picture: '{}' has fewer than two generated conditions, so there is no such chart", experiment));
+  experiment::write_text_file(options.picture, experiment::read_text_file(chart));
+}
+
+int tournament(const TournamentOptions& options) {
+  std::vector<experiment::Experiment> all{options.experiment.load()};
+  for (const std::string& file : options.data) all.push_back(over_measured(all.front(), file));
+  if (const int exit_code = fly_all(all, options); exit_code != exit_ok) return exit_code;
+
+  std::vector<report::ConditionTrials> conditions;
+  for (const experiment::Experiment& experiment : all)
+    for (report::ConditionTrials& condition :
+         report::read_trials(store::ResultStore::open_for_reading(options.out / experiment.name)))
+      conditions.push_back(std::move(condition));
+  const std::string overview = report::tournament_overview(conditions, measure_step_costs(all.front()));
+  const std::filesystem::path tables = options.out / "tournament.md";
+  experiment::write_text_file(
+      tables,
+      fmt::format("Gain over min-height on the same {} trials (seed {}); columns: base stations / buildings per "
+                  "km², bit/s/Hz; measured flights in Mbit/s. * privileged: sees the future.\n\n{}\n{}",
+                  all.front().trials, all.front().seed, overview, report::tournament_details(conditions)));
+  report::ReportOptions report;
+  if (!options.picture.empty()) report.svg = options.out / "charts";
+  const report::WrittenReport written = report::write_report(options.out, report);
+  if (!options.picture.empty()) save_picture(options, all.front().name);
+  fmt::print("{}", overview);
+  std::fflush(stdout);
+  fmt::print(stderr, "Tables: {}; report: {}\n", tables.string(), written.page.string());
+  return exit_ok;
+}
+
+}  // namespace
+
+void add_tournament(CLI::App& app, Job& job) {
+  auto* command = app.add_subcommand(
+      "tournament", "Fly all agents against each other; tables of gains over min-height, costs, and a report");
+  auto options = std::make_shared<TournamentOptions>();
+  options->experiment.file = "data/experiments/tournament.json";
+  options->experiment.add_to(*command);
+  command->get_option("experiment")->required(false)->capture_default_str();
+  command->add_option("--data", options->data, "A measured flight (CSV) that all agents fly as well; repeatable")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--out", options->out, "Result folder; an interrupted run in it is resumed")
+      ->capture_default_str();
+  command->add_option("--picture", options->picture, "Also save the chart of all gains as this SVG file (needs Node)");
+  options->flying.add_to(*command);
+  command->callback([options, &job] { job = [options] { return tournament(*options); }; });
+}
+
+}  // namespace aloft::cli

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+
+#include "tools/report/trials.hpp"
+
+namespace aloft::report {
+
+/// CPU time of an agent per step, in microseconds, by its name.
+using StepCosts = std::map<std::string, double, std::less<>>;
+
+/// Markdown: one line per agent with its gain over min-height in every condition (half the width of the 95 % interval
+/// behind it), the share of the feasible head-room closed over the generated conditions together, and what a flight
+/// costs; the best gain of each condition among agents without privilege is bold.
+[[nodiscard]] std::string tournament_overview(std::span<const ConditionTrials> conditions, const StepCosts& costs);
+
+/// Markdown: a table per condition with everything that the overview leaves out.
+[[nodiscard]] std::string tournament_details(std::span<const ConditionTrials> conditions);
+
+}  // namespace aloft::report

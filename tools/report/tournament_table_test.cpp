@@ -1,0 +1,40 @@
+#include "tools/report/tournament_table.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "tools/report/test_trials.hpp"
+
+using namespace aloft::report;
+using aloft::report::testing::agent;
+using aloft::report::testing::condition;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Gains at 1 / 200: planner 4, learner 1; at 5 / 200: planner 6, learner 3, the other learner -1.
+std::vector<ConditionTrials> two_conditions() {
+  return {condition(1, 200,
+                    {agent("min-height", "min-height", {4.0, 6.0}), agent("planner", "planner", {8.0, 10.0}),
+                     agent("pretrained", "pretrained", {5.0, 7.0})}),
+          condition(5, 200,
+                    {agent("min-height", "min-height", {1.0, 2.0}), agent("planner", "planner", {7.0, 8.0}),
+                     agent("pretrained", "pretrained", {4.0, 5.0}), agent("dqn", "dqn", {0.0, 1.0})})};
+}
+
+}  // namespace
+
+TEST_CASE("The overview has a line per agent; head-room is shared over the conditions", "[report]") {
+  const std::string text = tournament_overview(two_conditions(), {{"pretrained", 7.04}});
+  CHECK_THAT(text, Contains("| agent | 1 / 200 | 5 / 200 | head-room closed | height changes | kJ | µs per step |"));
+  // (1 + 3) of (4 + 6)
+  CHECK_THAT(text, Contains("| pretrained | **+1.00 ± 0.00** | **+3.00 ± 0.00** | 40 % | 0 | 12.5 | 7 |"));
+  CHECK_THAT(text, Contains("| planner * | +4.00 ± 0.00 | +6.00 ± 0.00 | 100 % |"));  // privileged: never bold
+  CHECK_THAT(text, Contains("| dqn | - | -1.00 ± 0.00 | - | - | - | - |"));           // did not fly everywhere
+}
+
+TEST_CASE("The details have a table per condition", "[report]") {
+  const std::string text = tournament_details(two_conditions());
+  CHECK_THAT(text, Contains("### 1 / 200 per km²") && Contains("### 5 / 200 per km²"));
+  CHECK_THAT(text, Contains("| pretrained | 2 | 4.50 | [4.00, 5.00] | +3.00 | [+3.00, +3.00] | 100 % | 50 % | 40.0 | "
+                            "0.0 | 3.0 | 12.5 |"));
+}

@@ -80,9 +80,10 @@ std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::
   if (!path.empty()) {
     const std::string bytes = read_file(path);
     if (!sha256.empty() && sha256_hex(bytes) != sha256)
-      throw InputError(fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "
-                                   "file on every machine",
-                                   path, sha256));
+      throw InputError(
+          fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "
+                      "file on every machine",
+                      path, sha256));
     return std::make_shared<const LoadedModel>(load(bytes, path));
   }
   static const auto builtin = std::make_shared<const LoadedModel>(load(builtin_model(), "the built-in model"));
@@ -93,7 +94,8 @@ std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::
 class Pretrained final : public SteeringAgent {
  public:
   explicit Pretrained(const Parameters& parameters)
-      : SteeringAgent("pretrained", parameters), model_(model_of(parameters.text("model"), parameters.text("model_sha256"))) {}
+      : SteeringAgent("pretrained", parameters),
+        model_(model_of(parameters.text("model"), parameters.text("model_sha256"))) {}
 
   void begin(const FlightInfo& flight) override {
     SteeringAgent::begin(flight);

@@ -29,7 +29,8 @@ Json identity(const Json& canonical) {
   for (Json& world : rest.at("worlds"))
     for (const char* key : {"file", "name", "swept"}) world.erase(key);
   for (Json& agent : rest.at("agents"))
-    if (const std::string& file = agents::agent_type(agent.at("type").get<std::string>()).file_parameter; !file.empty()) {
+    if (const std::string& file = agents::agent_type(agent.at("type").get<std::string>()).file_parameter;
+        !file.empty()) {
       agent.erase(file);
       if (agent.value(file + "_sha256", "").empty()) agent.erase(file + "_sha256");
     }

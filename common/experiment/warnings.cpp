@@ -11,7 +11,7 @@
 #include "common/base/error.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/radio/generated_world.hpp"
-#include "common/world/measured_flight.hpp"
+#include "common/world/world.hpp"
 
 namespace aloft::experiment {
 namespace {
@@ -68,9 +68,10 @@ std::vector<Warning> warnings(const Experiment& experiment) {
     if (flight) differences = differences_of(*flight);
     for (const agents::AgentSpec& spec : experiment.agents)
       if (agents::agent_type(spec.type).trained_beforehand && !differences.empty())
-        found.push_back({spec.name, fmt::format("agent '{}': its model was not made for condition '{}': {}; expect less "
-                                                "of it there",
-                                                spec.name, condition.name, fmt::join(differences, ", "))});
+        found.push_back(
+            {spec.name, fmt::format("agent '{}': its model was not made for condition '{}': {}; expect less "
+                                    "of it there",
+                                    spec.name, condition.name, fmt::join(differences, ", "))});
     if (flight && flight->serving_cell.empty() && experiment.costs.handover_cost > 0.0)
       found.push_back({"", fmt::format("condition '{}': the measured flight has no serving_cell, so handover_cost is "
                                        "never charged there",

@@ -24,7 +24,7 @@ struct FlightSummary {
   std::uint32_t height_changes = 0;
   double energy_j = 0.0;
   std::optional<std::uint32_t> handovers;  ///< none: the serving cells are unknown
-  std::string digest;  ///< SHA-256 of the encoded trace
+  std::string digest;                      ///< SHA-256 of the encoded trace
 };
 
 /// No room left on the disk. Nothing of the batch was stored, nothing stored before is lost: try again later.

@@ -20,8 +20,8 @@ struct Scene {
   Scene() { write_text(scratch / "config.json", config); }
 
   [[nodiscard]] std::vector<std::string> command(const std::string& out) const {
-    return {"aloft", "train", "pretrained", "--config", (scratch / "config.json").string(), "--out", file(out),
-            "--threads", "2"};
+    return {"aloft", "train",   "pretrained", "--config", (scratch / "config.json").string(),
+            "--out", file(out), "--threads",  "2"};
   }
   [[nodiscard]] std::string file(const std::string& name) const { return (scratch / name).string(); }
 

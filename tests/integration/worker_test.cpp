@@ -44,8 +44,8 @@ std::map<FlightKey, std::string> expected_traces(const experiment::Experiment& e
       for (const agents::AgentSpec& spec : experiment.agents) {
         if (agents::agent_type(spec.type).foreign) continue;
         const auto agent = spec.make();
-        traces[{condition.index, trial, spec.name}] =
-            store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec, experiment.costs_in(condition)));
+        traces[{condition.index, trial, spec.name}] = store::encode_trace(
+            flight::fly(*map, experiment.seed, trial, *agent, spec, experiment.costs_in(condition)));
       }
     }
   return traces;

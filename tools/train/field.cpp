@@ -53,18 +53,22 @@ Field field_of(radio::SignalMap& map) {
 }
 
 Field generated_field(double bs_density_per_km2, std::uint64_t seed, std::uint32_t trial) {
-  const Parameters world = radio::resolve_generated_world(
-      {{"bs_density_per_km2", bs_density_per_km2},
-       {"building_density_per_km2", agents::training_worlds.building_density_per_km2},
-       {"height_resolution_m", 10.0}}, "world");
+  const Parameters world =
+      radio::resolve_generated_world({{"bs_density_per_km2", bs_density_per_km2},
+                                      {"building_density_per_km2", agents::training_worlds.building_density_per_km2},
+                                      {"height_resolution_m", 10.0}},
+                                     "world");
   const world::City city = world::generate_city(world, seed, trial);
   return field_of(*radio::make_generated_map(world, city, seed, trial));
 }
 
 Field random_throughput_field(std::uint64_t seed, std::uint32_t trial) {
   RandomStream random(seed, trial, "throughput field");
-  Field field{agents::QosKind::throughput, between(random, agents::training_worlds.measured_levels_min, agents::training_worlds.measured_levels_max),
-              between(random, agents::training_worlds.measured_steps_min, agents::training_worlds.measured_steps_max), 0, {}};
+  Field field{agents::QosKind::throughput,
+              between(random, agents::training_worlds.measured_levels_min, agents::training_worlds.measured_levels_max),
+              between(random, agents::training_worlds.measured_steps_min, agents::training_worlds.measured_steps_max),
+              0,
+              {}};
   const double fall = random.uniform(-0.1, 0.6);  // from the lowest height to far above
   const double fall_levels = random.uniform(1.0, 8.0);
   const double constant_sd = random.uniform(0.05, 0.25);

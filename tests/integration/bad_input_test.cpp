@@ -57,6 +57,8 @@ TEST_CASE("an unknown key is refused with the nearest valid one") {
 
 TEST_CASE("a wrong type or range is refused with JSON path and allowed range") {
   CHECK_THAT(refused(with("\"trials\": 2", "\"trials\": 0")).err, Contains("trials") && Contains("1"));
+  CHECK_THAT(refused(with("\"trials\": 2", "\"trials\": 2, \"energy_weight\": -1")).err,
+             Contains("energy_weight") && Contains("10000"));
   CHECK_THAT(refused(with("\"trials\": 2", "\"trials\": \"two\"")).err, Contains("trials") && Contains("two"));
   CHECK_THAT(refused(with("[2.5, 5]", "-1")).err, Contains("world.bs_density_per_km2") && Contains("-1"));
   CHECK_THAT(refused(with("[2.5, 5]", "[2.5, \"x\"]")).err, Contains("world.bs_density_per_km2"));
@@ -68,6 +70,18 @@ TEST_CASE("a wrong type or range is refused with JSON path and allowed range") {
 TEST_CASE("an unknown agent is refused with the nearest valid one") {
   CHECK_THAT(refused(with("random-walk", "random-wlk")).err, Contains("random-wlk") && Contains("random-walk"));
   CHECK_THAT(refused(small_experiment, {"--agents", "min-hight"}).err, Contains("min-height"));
+}
+
+TEST_CASE("a model file that is missing, damaged or cut off is refused with its name and the reason") {
+  const ScratchDir scratch;
+  const std::string model = (scratch / "mine.pb").string();
+  const std::string text = with("\"random-walk\"", R"({"type": "pretrained", "model": ")" + model + "\"}");
+  CHECK_THAT(refused(text).err, Contains(model));
+  write_text(model, "these are no weights");
+  CHECK_THAT(refused(text).err, Contains(model) && Contains("not a model file"));
+  const std::string whole = aloft::test::read_text(ALOFT_SOURCE_DIR "/data/models/pretrained.pb");
+  write_text(model, whole.substr(0, whole.size() / 2));
+  CHECK_THAT(refused(text).err, Contains(model) && Contains("truncated"));
 }
 
 TEST_CASE("an empty sweep and doubled agents are refused") {

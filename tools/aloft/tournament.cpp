@@ -20,16 +20,56 @@ struct TournamentOptions {
   std::vector<std::string> data;
   std::filesystem::path out = "results/tournament";
   std::filesystem::path picture;
+  std::uint32_t dqn_trials = 60;
   FlyingOptions flying;
 };
 
+using Json = nlohmann::json;
+
 /// The agents of `cities` over one measured flight, named after its file.
-experiment::Experiment over_measured(const experiment::Experiment& cities, const std::string& file) {
-  nlohmann::json document = cities.canonical;
+Json over_measured(const Json& cities, const std::string& file) {
+  Json document = cities;
   const std::string name = std::filesystem::path(file).stem().string();
-  document["name"] = fmt::format("{}-{}", cities.name, name);
-  document["worlds"] = nlohmann::json::array({{{"kind", "measured"}, {"name", name}, {"file", file}}});
-  return experiment::parse(document.dump(), "--data " + file);
+  document["name"] = fmt::format("{}-{}", cities.at("name").get<std::string>(), name);
+  document["worlds"] = Json::array({{{"kind", "measured"}, {"name", name}, {"file", file}}});
+  return document;
+}
+
+bool trains_in_flight(const Json& agent) {
+  return agent.at("type") == "dqn";
+}
+
+/// Two experiments over the same worlds: agents that train in flight cost a thousand times as much as all others
+/// together, and fly only the first trials, together with those that gains and head-room are counted against.
+std::vector<experiment::Experiment> split(const Json& whole, std::uint32_t dqn_trials) {
+  Json cheap = whole;
+  Json costly = whole;
+  costly["name"] = whole.at("name").get<std::string>() + "-dqn";
+  costly["trials"] = std::min(dqn_trials, whole.at("trials").get<std::uint32_t>());
+  cheap["agents"] = Json::array();
+  costly["agents"] = Json::array();
+  bool any_costly = false;
+  for (const Json& agent : whole.at("agents")) {
+    const bool reference = agent.at("type") == "min-height" || agent.at("type") == "planner";
+    any_costly = any_costly || trains_in_flight(agent);
+    if (!trains_in_flight(agent)) cheap["agents"].push_back(agent);
+    if (reference || trains_in_flight(agent)) costly["agents"].push_back(agent);
+  }
+  std::vector<experiment::Experiment> parts;
+  for (const Json& part : {cheap, costly})
+    if (!part.at("agents").empty() && (part != costly || any_costly))
+      parts.push_back(experiment::parse(part.dump(), part.at("name").get<std::string>()));
+  return parts;
+}
+
+/// Everything is resolved, and so checked, before anything is flown.
+std::vector<experiment::Experiment> experiments(const TournamentOptions& options) {
+  const Json cities = options.experiment.load().canonical;
+  std::vector<experiment::Experiment> all = split(cities, options.dqn_trials);
+  for (const std::string& file : options.data)
+    for (experiment::Experiment& part : split(over_measured(cities, file), options.dqn_trials))
+      all.push_back(std::move(part));
+  return all;
 }
 
 double thread_cpu_s() {
@@ -39,14 +79,13 @@ double thread_cpu_s() {
 }
 
 /// CPU time per step of every agent on the first condition: everything but the radio, which is computed beforehand.
-report::StepCosts measure_step_costs(const experiment::Experiment& experiment) {
+void measure_step_costs(const experiment::Experiment& experiment, report::StepCosts& costs) {
   constexpr double enough_s = 0.2;
   constexpr std::uint32_t most_flights = 1'000;
   const auto map = experiment::make_signal_map(experiment, experiment.conditions.front(), 0);
   map->prepare();
-  report::StepCosts costs;
   for (const agents::AgentSpec& spec : experiment.agents) {
-    if (agents::agent_type(spec.type).foreign) continue;
+    if (agents::agent_type(spec.type).foreign || costs.contains(spec.name)) continue;
     (void)spec.make();  // what is read once per process
     std::uint64_t steps = 0;
     const double started_s = thread_cpu_s();
@@ -60,7 +99,6 @@ report::StepCosts measure_step_costs(const experiment::Experiment& experiment) {
     }
     costs[spec.name] = 1e6 * spent_s / static_cast<double>(steps);
   }
-  return costs;
 }
 
 int fly_all(const std::vector<experiment::Experiment>& all, const TournamentOptions& options) {
@@ -82,8 +120,7 @@ void save_picture(const TournamentOptions& options, const std::string& experimen
 }
 
 int tournament(const TournamentOptions& options) {
-  std::vector<experiment::Experiment> all{options.experiment.load()};
-  for (const std::string& file : options.data) all.push_back(over_measured(all.front(), file));
+  const std::vector<experiment::Experiment> all = experiments(options);
   if (const int exit_code = fly_all(all, options); exit_code != exit_ok) return exit_code;
 
   std::vector<report::ConditionTrials> conditions;
@@ -91,7 +128,9 @@ int tournament(const TournamentOptions& options) {
     for (report::ConditionTrials& condition :
          report::read_trials(store::ResultStore::open_for_reading(options.out / experiment.name)))
       conditions.push_back(std::move(condition));
-  const std::string overview = report::tournament_overview(conditions, measure_step_costs(all.front()));
+  report::StepCosts costs;
+  for (const experiment::Experiment& experiment : all) measure_step_costs(experiment, costs);
+  const std::string overview = report::tournament_overview(conditions, costs);
   const std::filesystem::path tables = options.out / "tournament.md";
   experiment::write_text_file(
       tables,
@@ -123,6 +162,12 @@ void add_tournament(CLI::App& app, Job& job) {
   command->add_option("--out", options->out, "Result folder; an interrupted run in it is resumed")
       ->capture_default_str();
   command->add_option("--picture", options->picture, "Also save the chart of all gains as this SVG file (needs Node)");
+  command
+      ->add_option("--dqn-trials", options->dqn_trials,
+                   "Trials per condition that agents of type dqn fly, at most those of the experiment; a flight takes "
+                   "about a second of CPU time")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
   options->flying.add_to(*command);
   command->callback([options, &job] { job = [options] { return tournament(*options); }; });
 }

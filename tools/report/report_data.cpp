@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/build_info.hpp"
+#include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "tools/report/claims.hpp"
@@ -101,6 +102,7 @@ json condition_data(const store::ResultStore& run, const ReportCondition& condit
   return {{"experiment", condition.run},
           {"name", condition.all.name},
           {"label", condition.all.label},
+          {"world", sha256_hex(condition.all.world()).substr(0, 16)},
           {"kind", condition.all.kind == experiment::WorldKind::measured ? "measured" : "generated"},
           {"qos_name", condition.all.qos_name()},
           {"qos_unit", condition.all.qos_unit()},

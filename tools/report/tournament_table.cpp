@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -18,15 +18,35 @@ bool privileged(std::string_view type) {
 }
 
 std::string heading(const ConditionTrials& condition) {
-  if (condition.kind == experiment::WorldKind::measured) return condition.measured_file;
+  if (condition.kind == experiment::WorldKind::measured) return condition.measured_file + ", Mbit/s";
   return fmt::format("{:g} / {:g}", condition.bs_density_per_km2, condition.building_density_per_km2);
 }
 
-const json* row_of(const json& view, const std::string& agent) {
-  if (view.is_null()) return nullptr;
-  for (const json& row : view.at("agents"))
-    if (row.at("name") == agent) return &row;
-  return nullptr;
+/// All that was flown over the same worlds, in one run or several.
+struct Column {
+  const ConditionTrials* condition = nullptr;  ///< of the first run
+  std::vector<json> views;
+
+  /// Of the first run that the agent flew in.
+  [[nodiscard]] const json* row(const std::string& agent) const {
+    for (const json& view : views)
+      if (!view.is_null())
+        for (const json& row : view.at("agents"))
+          if (row.at("name") == agent) return &row;
+    return nullptr;
+  }
+  [[nodiscard]] bool generated() const { return condition->kind == experiment::WorldKind::generated; }
+};
+
+std::vector<Column> columns_of(std::span<const ConditionTrials> conditions) {
+  std::vector<Column> columns;
+  for (const ConditionTrials& condition : conditions) {
+    auto column = std::find_if(columns.begin(), columns.end(),
+                               [&](const Column& other) { return other.condition->world() == condition.world(); });
+    if (column == columns.end()) column = columns.insert(column, Column{&condition, {}});
+    column->views.push_back(statistics_view(condition));
+  }
+  return columns;
 }
 
 std::optional<double> gain_of(const json* row) {
@@ -48,34 +68,17 @@ std::string number_or_dash(const json& value, const char* format) {
 }
 
 /// Mean of one number over the generated conditions; none if any lacks it.
-std::optional<double> mean_over(std::span<const ConditionTrials> conditions, const std::vector<json>& views,
-                                const std::string& agent, const char* key) {
+std::optional<double> mean_over(const std::vector<Column>& columns, const std::string& agent, const char* key) {
   double sum = 0.0;
   double count = 0.0;
-  for (std::size_t i = 0; i < conditions.size(); ++i) {
-    if (conditions[i].kind == experiment::WorldKind::measured) continue;
-    const json* row = row_of(views[i], agent);
+  for (const Column& column : columns) {
+    if (!column.generated()) continue;
+    const json* row = column.row(agent);
     if (row == nullptr || row->at(key).is_null()) return std::nullopt;
     sum += row->at(key).get<double>();
     ++count;
   }
   return count > 0.0 ? std::optional(sum / count) : std::nullopt;
-}
-
-/// The summed gains of an agent as a share of the planner's.
-std::optional<double> headroom_share(std::span<const ConditionTrials> conditions, const std::vector<json>& views,
-                                     const std::string& agent) {
-  double gained = 0.0;
-  double feasible = 0.0;
-  for (std::size_t i = 0; i < conditions.size(); ++i) {
-    if (conditions[i].kind == experiment::WorldKind::measured) continue;
-    const auto gain = gain_of(row_of(views[i], agent));
-    const auto best = gain_of(row_of(views[i], "planner"));
-    if (!gain || !best) return std::nullopt;
-    gained += *gain;
-    feasible += *best;
-  }
-  return feasible > 0.0 ? std::optional(gained / feasible) : std::nullopt;
 }
 
 /// All agents of all conditions, in the order of display.
@@ -90,20 +93,14 @@ std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> condi
   return agents;
 }
 
-std::vector<json> views_of(std::span<const ConditionTrials> conditions) {
-  std::vector<json> views;
-  for (const ConditionTrials& condition : conditions) views.push_back(statistics_view(condition));
-  return views;
-}
-
-/// Per condition the name of the agent without privilege that gains most.
-std::vector<std::string> winners(const std::vector<json>& views, const std::vector<const AgentTrials*>& agents) {
+/// Per column the name of the agent without privilege that gains most.
+std::vector<std::string> winners(const std::vector<Column>& columns, const std::vector<const AgentTrials*>& agents) {
   std::vector<std::string> names;
-  for (const json& view : views) {
+  for (const Column& column : columns) {
     std::string best;
     double most = 0.0;
     for (const AgentTrials* agent : agents) {
-      const auto gain = privileged(agent->type) ? std::nullopt : gain_of(row_of(view, agent->name));
+      const auto gain = privileged(agent->type) ? std::nullopt : gain_of(column.row(agent->name));
       if (!gain || *gain <= most) continue;
       most = *gain;
       best = agent->name;
@@ -116,27 +113,27 @@ std::vector<std::string> winners(const std::vector<json>& views, const std::vect
 }  // namespace
 
 std::string tournament_overview(std::span<const ConditionTrials> conditions, const StepCosts& costs) {
-  const std::vector<json> views = views_of(conditions);
+  const std::vector<Column> columns = columns_of(conditions);
   const std::vector<const AgentTrials*> agents = agents_of(conditions);
-  const std::vector<std::string> best = winners(views, agents);
+  const std::vector<std::string> best = winners(columns, agents);
   std::string head = "| agent |";
   std::string rule = "|---|";
-  for (const ConditionTrials& condition : conditions) {
-    head += fmt::format(" {} |", heading(condition));
+  for (const Column& column : columns) {
+    head += fmt::format(" {} |", heading(*column.condition));
     rule += "---|";
   }
   std::string text = head + " head-room closed | height changes | kJ | µs per step |\n" + rule + "---|---|---|---|\n";
   for (const AgentTrials* agent : agents) {
     text += fmt::format("| {}{} |", agent->name, privileged(agent->type) ? " *" : "");
-    for (std::size_t i = 0; i < conditions.size(); ++i)
-      text += fmt::format(" {} |", gain_cell(row_of(views[i], agent->name), best[i] == agent->name));
-    const auto share = headroom_share(conditions, views, agent->name);
-    const auto changes = mean_over(conditions, views, agent->name, "height_changes_mean");
-    const auto energy = mean_over(conditions, views, agent->name, "energy_mean_kj");
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      text += fmt::format(" {} |", gain_cell(columns[i].row(agent->name), best[i] == agent->name));
+    const auto share = mean_over(columns, agent->name, "headroom_share");
+    const auto changes = mean_over(columns, agent->name, "height_changes_mean");
+    const auto energy = mean_over(columns, agent->name, "energy_mean_kj");
     const auto cost = costs.find(agent->name);
     text += fmt::format(" {} | {} | {} | {} |\n", share ? fmt::format("{:.0f} %", 100.0 * *share) : "-",
                         changes ? fmt::format("{:.0f}", *changes) : "-", energy ? fmt::format("{:.1f}", *energy) : "-",
-                        cost == costs.end() ? "-" : fmt::format("{:.2g}", cost->second));
+                        cost == costs.end() ? "-" : fmt::format("{:.{}f}", cost->second, cost->second < 10 ? 1 : 0));
   }
   return text;
 }

@@ -87,6 +87,11 @@ AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& 
 
 }  // namespace
 
+std::string ConditionTrials::world() const {
+  return fmt::format("seed {}, {} base stations and {} buildings per km2, {}", seed, bs_density_per_km2,
+                     building_density_per_km2, other_parameters);
+}
+
 const AgentTrials* ConditionTrials::agent(std::string_view agent_name) const {
   const auto found =
       std::find_if(agents.begin(), agents.end(), [&](const AgentTrials& a) { return a.name == agent_name; });

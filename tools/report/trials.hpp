@@ -39,6 +39,8 @@ struct ConditionTrials {
   std::uint32_t trials_expected = 0;
   std::vector<AgentTrials> agents;  ///< in the order of display
 
+  /// The same text for conditions whose trials fly over the same worlds.
+  [[nodiscard]] std::string world() const;
   [[nodiscard]] const AgentTrials* agent(std::string_view agent_name) const;
   [[nodiscard]] const char* qos_name() const;
   [[nodiscard]] const char* qos_unit() const;  ///< bit/s/Hz or Mbit/s

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "common/agents/pretrained_model.hpp"
 #include "common/base/error.hpp"
 #include "tools/train/config.hpp"
 

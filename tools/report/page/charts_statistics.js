@@ -187,11 +187,20 @@ export function energyChart(data, condition, context) {
   };
 }
 
+/** The agents of a condition, and those that only flew over its worlds in other runs of this report. */
+function agentsOver(data, condition, view) {
+  const agents = [...condition.views[view].agents];
+  for (const other of data.conditions)
+    if (other !== condition && other.world === condition.world)
+      agents.push(...(other.views[view]?.agents ?? []).filter((agent) => !agents.some((known) => known.name === agent.name)));
+  return agents;
+}
+
 function gainRows(data, experiment, view) {
   const privileged = privilegedNames(data);
   return data.conditions.filter((condition) => condition.experiment === experiment && condition.views[view] && condition.qos_unit === 'bit/s/Hz')
-    .flatMap((condition) => condition.views[view].agents.filter((agent) => agent.gain && agent.name !== 'min-height').map((agent) => ({
-      agent: agent.name, condition: condition.label, gain: agent.gain.mean, low: agent.gain.ci95[0], high: agent.gain.ci95[1],
+    .flatMap((condition) => agentsOver(data, condition, view).filter((agent) => agent.gain && agent.name !== 'min-height').map((agent) => ({
+      agent: agent.name, condition: condition.label.replaceAll(' per km²', ''), gain: agent.gain.mean, low: agent.gain.ci95[0], high: agent.gain.ci95[1],
       text: signedInterval(agent.gain.ci95), privileged: privileged.includes(agent.name),
     })));
 }
@@ -221,7 +230,7 @@ export function gainsOverview(data, experiment, context) {
     width: undefined,
     data: {values: rows},
     spacing: 14,
-    facet: {column: {field: 'condition', type: 'nominal', sort: conditions, header: {title: 'Gain over min-height on the same worlds (bit/s/Hz)', titleOrient: 'bottom', titleFontWeight: 500, titleColor: surface.ink, labelColor: surface.ink, labelFontSize: 11, labelExpr: "split(datum.label, ', ')"}}},
+    facet: {column: {field: 'condition', type: 'nominal', sort: conditions, header: {title: 'Gain over min-height on the same worlds (bit/s/Hz); base stations (BS) and buildings per km²', titleOrient: 'bottom', titleFontWeight: 500, titleColor: surface.ink, labelColor: surface.ink, labelFontSize: 11, labelExpr: "split(datum.label, ', ')"}}},
     spec: {
       width: Math.max(70, Math.floor((context.width - labels) / conditions.length) - 14),
       height: 20 * names.length,

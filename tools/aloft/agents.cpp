@@ -55,9 +55,9 @@ void print_text(const AgentType& type) {
   fmt::print("{}{}\n    {}\n", type.name, marks, type.description);
   if (!type.name_parameter.empty())
     fmt::print("    {}-VALUE is short for {} = VALUE\n", type.name, type.name_parameter);
-  if (type.provenance)
-    for (const auto& [key, value] : type.provenance().items())
-      fmt::print("    {}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+  const nlohmann::json provenance = type.provenance ? type.provenance() : nlohmann::json::object();
+  for (const auto& [key, value] : provenance.items())
+    fmt::print("    {}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
   const nlohmann::json properties = schema_properties(type.parameters);
   for (const ParameterSpec& spec : type.parameters) {
     const nlohmann::json& property = properties[spec.name];

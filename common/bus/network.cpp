@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -12,14 +13,19 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstring>
 #include <memory>
+#include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include "common/base/error.hpp"
 
 namespace aloft::bus {
 namespace {
+
+constexpr std::chrono::seconds running_limit{10};
 
 std::string text(const in_addr& address) {
   std::array<char, INET_ADDRSTRLEN> buffer{};
@@ -40,6 +46,7 @@ bool is_loopback(const std::string& address) {
 struct Interface {
   std::string name;
   std::string address;
+  bool running = false;
 };
 
 std::vector<Interface> interfaces_of_this_machine() {
@@ -50,7 +57,7 @@ std::vector<Interface> interfaces_of_this_machine() {
   std::vector<Interface> all;
   for (const ifaddrs* at = list; at != nullptr; at = at->ifa_next)
     if (at->ifa_addr != nullptr && at->ifa_addr->sa_family == AF_INET)
-      all.push_back({at->ifa_name, text(ipv4(at->ifa_addr).sin_addr)});
+      all.push_back({at->ifa_name, text(ipv4(at->ifa_addr).sin_addr), (at->ifa_flags & IFF_RUNNING) != 0});
   return all;
 }
 
@@ -64,6 +71,22 @@ std::string local_address(const std::string& address_or_interface) {
   }
   throw InputError(fmt::format("--interface {}: this machine has no such IPv4 interface or address; it has: {}",
                                address_or_interface, known));
+}
+
+void wait_until_running(const std::string& address) {
+  const auto running = [&] {
+    const std::vector<Interface> all = interfaces_of_this_machine();
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Interface& one) { return one.address == address && one.running; });
+  };
+  const auto deadline = std::chrono::steady_clock::now() + running_limit;
+  while (!running()) {
+    if (std::chrono::steady_clock::now() > deadline)
+      throw std::runtime_error(
+          fmt::format("the network interface with the address {} has been down for {} s; see: ip address", address,
+                      running_limit.count()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
 }
 
 bool is_local_address(const std::string& address) {

@@ -153,7 +153,10 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
     throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));
   check_name("run", options.run);
   check_name("worker", options.worker);
-  for (std::string& interface : options.interfaces) interface = local_address(interface);
+  for (std::string& interface : options.interfaces) {
+    interface = local_address(interface);
+    wait_until_running(interface);
+  }
   prepare_middleware();
   dds::DomainParticipantQos qos = participant_qos(options);
   if (!options.secure.empty()) {

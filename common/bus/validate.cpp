@@ -118,6 +118,7 @@ const char* validate(const wire::WorkerStatus& sample) noexcept {
   if (sample.leases().size() > max_leases) return "leases too long";
   if (sample.failures().size() > max_leases) return "failures too long";
   if (sample.agents().size() > max_agents) return "agents too long";
+  if (sample.flies_only().size() > max_agents) return "flies_only too long";
   for (const wire::AgentNews& agent : sample.agents()) {
     if (!up_to(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
     if (!within(agent.silent_s(), 0.0, 1e12)) return "silent_s of an agent out of range";

@@ -348,4 +348,10 @@ nlohmann::ordered_json summarise(const ResultStore& results) {
   return experiment::summarise(results.experiment(), scores, build_id());
 }
 
+void write_summary(const std::filesystem::path& dir) {
+  const nlohmann::ordered_json summary = summarise(ResultStore::open_for_reading(dir));
+  experiment::write_text_file(dir / "summary.json", summary.dump(2) + "\n");
+  experiment::write_text_file(dir / "summary.csv", experiment::summary_csv(summary));
+}
+
 }  // namespace aloft::store

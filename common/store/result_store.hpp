@@ -89,5 +89,7 @@ class ResultStore {
 
 /// The summary (experiment/summary.hpp) of all stored flights.
 [[nodiscard]] nlohmann::ordered_json summarise(const ResultStore& results);
+/// Writes that as DIR/summary.json and DIR/summary.csv, for the results in DIR. Throws like open_for_reading.
+void write_summary(const std::filesystem::path& dir);
 
 }  // namespace aloft::store

@@ -107,6 +107,9 @@ struct AgentHost::State {
   void serve(const agents::AgentSpec& spec) {
     const agents::AgentType& type = agents::agent_type(spec.type);
     if (type.foreign || type.learns != options.learners) return;
+    if (!options.agents.empty() &&
+        std::find(options.agents.begin(), options.agents.end(), spec.name) == options.agents.end())
+      return;
     served.push_back(&spec);
     spdlog::info("serves agent {}", spec.name);
     // Only a process that serves a privileged agent joins the partition where the future is told.

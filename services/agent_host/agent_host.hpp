@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/bus/participant.hpp"
 #include "common/bus/stop_signal.hpp"
@@ -10,9 +11,10 @@
 namespace aloft::agent_host {
 
 struct AgentHostOptions {
-  bool learners = false;        ///< serve the types that learn, else those that do not
-  unsigned threads = 0;         ///< agents think in so many threads; 0: in the loop itself
-  std::uint32_t strength = 10;  ///< of the height commands: the strongest live process flies
+  bool learners = false;              ///< serve the types that learn, else those that do not
+  unsigned threads = 0;               ///< agents think in so many threads; 0: in the loop itself
+  std::uint32_t strength = 10;        ///< of the height commands: the strongest live process flies
+  std::vector<std::string> agents{};  ///< serve only these; empty: all
 };
 
 /// Serves every agent of the running experiment that is of its kind, on every stream of its worker, until the run ends

@@ -29,6 +29,7 @@ constexpr std::chrono::milliseconds tick_period{50};
 constexpr std::chrono::milliseconds status_period{500};
 constexpr std::chrono::seconds missing_after{3};
 constexpr std::chrono::seconds answer_limit{60};
+constexpr std::chrono::milliseconds farewell_time{500};
 constexpr std::size_t max_leases = 64;
 constexpr std::size_t max_failures_told = 64;
 constexpr std::size_t max_waiting_for_storage = 32;
@@ -53,7 +54,7 @@ std::uint32_t first_attempt() {
 
 struct Channel::State {
   State(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop_signal)
-      : stop(stop_signal), participant(place), waiter(stop_signal), trials(options.lanes) {
+      : stop(stop_signal), participant(place), waiter(stop_signal), trials(options.lanes), flies_only(options.agents) {
     waiter.add(follower.reader());
     waiter.add(worlds);
     waiter.add(commands);
@@ -87,7 +88,14 @@ struct Channel::State {
       give_up();
       if (changed || now >= next_status) publish_status(capacity());
     }
-    if (experiment) publish_status(0);
+    if (experiment) leave();
+  }
+
+  /// Says that this worker leaves, so that its trials go to others at once; what it has flown still arrives.
+  void leave() {
+    publish_status(0);
+    statuses.wait_acknowledged(farewell_time);
+    records.wait_acknowledged(farewell_time);
   }
 
   void tick() {
@@ -328,6 +336,7 @@ struct Channel::State {
       status.failures().back().reason(wire::message(reason));
     }
     status.agents(agents.news(now));
+    status.flies_only(wire::names(flies_only));
     status.flights_done(flights_done);
     status.steps_done(steps_done);
     status.records_unconfirmed(static_cast<std::uint32_t>(outbox.size()));
@@ -402,6 +411,7 @@ struct Channel::State {
 
   std::shared_ptr<const experiment::Experiment> experiment;
   Trials trials;
+  std::vector<std::string> flies_only;             // empty: all agents
   std::vector<std::unique_ptr<Episode>> episodes;  // by stream
   std::map<std::uint32_t, std::uint64_t> leases;   // by stream
   std::map<std::uint64_t, std::uint32_t> lost_histories;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/bus/participant.hpp"
 #include "common/bus/stop_signal.hpp"
@@ -8,7 +11,8 @@
 namespace aloft::channel {
 
 struct ChannelOptions {
-  std::uint32_t lanes = 4;  ///< trials flown at the same time, 1 to 16
+  std::uint32_t lanes = 4;          ///< trials flown at the same time, 1 to 16
+  std::vector<std::string> agents;  ///< whose flights this worker takes; empty: all
 };
 
 /// Flies the episodes of a worker's trials: asks agents, executes their commands, moves the UAVs, measures the radio,

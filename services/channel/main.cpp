@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
         app.add_option("--lanes", options.lanes, "Trials flown at the same time")
             ->check(CLI::Range(1U, 16U))
             ->capture_default_str();
+        app.add_option("--agents", options.agents, "Take only flights of these agents [all]")->delimiter(',');
       },
       [&](runtime::Service& service) { channel::Channel(service.bus, options, service.stop).run(); });
 }

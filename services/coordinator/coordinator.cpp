@@ -46,6 +46,7 @@ Coordinator::Coordinator(const experiment::Experiment& experiment, const Coordin
       grant_from_(now),
       worker_seen_(now),
       stored_at_(now),
+      flights_missing_(experiment.agents.size(), std::uint64_t{experiment.conditions.size()} * experiment.trials),
       rates_at_(now) {
   for (const auto& agent : experiment.agents)
     agent_index_.emplace(agent.name, static_cast<std::uint32_t>(agent_index_.size()));
@@ -61,9 +62,19 @@ bool Coordinator::resume(const experiment::FlightKey& flight) {
 
 void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
   take_failures(news, now);
-  const HeartbeatResult result = ledger_.heartbeat(news.report, now);
-  const std::string name(news.report.name);
+  WorkerReport report = news.report;
+  report.flies = flies(news);
+  const HeartbeatResult result = ledger_.heartbeat(report, now);
+  const std::string name(report.name);
+  if (report.capacity == 0) {
+    workers_.erase(name);
+    if (result.left)
+      spdlog::info("worker {} has left{}{}", name,
+                   result.lost.empty() ? "" : "; to be flown by others: ", trial_names(result.lost));
+    return;
+  }
   count_steps(news);
+  workers_.find(name)->second.flies = std::move(report.flies);
   worker_seen_ = now;
   if (records_unconfirmed() == 0) stored_at_ = now;
   if (result.joined)
@@ -100,6 +111,7 @@ std::vector<Order> Coordinator::tick(Clock::time_point now) {
   if (const double elapsed_s = seconds(now - rates_at_); elapsed_s >= 0.5) {
     flights_.update(elapsed_s);
     steps_.update(elapsed_s);
+    find_unserved(now);
     rates_at_ = now;
   }
   std::vector<Order> orders = std::exchange(cancellations_, {});
@@ -150,7 +162,10 @@ bool Coordinator::known(const experiment::FlightKey& flight) const {
 }
 
 bool Coordinator::store(const experiment::FlightKey& flight) {
-  return ledger_.flight_stored(flight.condition, flight.trial, agent_index_.find(flight.agent)->second);
+  const std::uint32_t agent = agent_index_.find(flight.agent)->second;
+  const bool is_new = ledger_.flight_stored(flight.condition, flight.trial, agent);
+  if (is_new) --flights_missing_[agent];
+  return is_new;
 }
 
 std::string Coordinator::trial_name(std::uint32_t condition, std::uint32_t trial) const {
@@ -185,6 +200,7 @@ std::string Coordinator::waiting_for(Clock::time_point now) const {
   if (const auto silence = now - stored_at_; silence >= options_.patience)
     return fmt::format("{} finished flights have not been stored for {:.0f} s; waiting for aloft-metrics",
                        records_unconfirmed(), seconds(silence));
+  if (!unserved_.empty() && now - unserved_since_ >= options_.patience) return unserved_;
   for (const auto& [name, worker] : workers_)
     if (!worker.waits_for.empty()) return fmt::format("worker {} waits for {}", name, worker.waits_for);
   return "";
@@ -194,6 +210,29 @@ std::uint64_t Coordinator::records_unconfirmed() const {
   std::uint64_t records = 0;
   for (const auto& [name, worker] : workers_) records += worker.records_unconfirmed;
   return records;
+}
+
+std::vector<bool> Coordinator::flies(const WorkerNews& news) const {
+  if (news.flies_only.empty()) return {};
+  std::vector<bool> flies(experiment_.agents.size(), false);
+  for (const std::string& agent : news.flies_only)
+    if (const auto at = agent_index_.find(agent); at != agent_index_.end()) flies[at->second] = true;
+  return flies;
+}
+
+void Coordinator::find_unserved(Clock::time_point now) {
+  std::string text;
+  for (std::uint32_t agent = 0; agent < flights_missing_.size() && !workers_.empty(); ++agent) {
+    const bool served = std::any_of(workers_.begin(), workers_.end(), [&](const auto& entry) {
+      return entry.second.flies.empty() || entry.second.flies[agent];
+    });
+    if (served || flights_missing_[agent] == 0) continue;
+    text = fmt::format("no worker flies agent {}; {} flights wait for one that does", experiment_.agents[agent].name,
+                       flights_missing_[agent]);
+    break;
+  }
+  if (text.empty() || unserved_.empty()) unserved_since_ = now;
+  unserved_ = std::move(text);
 }
 
 void Coordinator::count_steps(const WorkerNews& news) {

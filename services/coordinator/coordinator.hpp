@@ -28,6 +28,7 @@ struct WorkerNews {
   WorkerReport report;
   std::uint64_t steps_done = 0;                                      ///< since the worker started
   std::uint32_t records_unconfirmed = 0;                             ///< finished flights that it still has to keep
+  std::vector<std::string> flies_only;                               ///< agents; empty: all
   std::string_view waits_for;                                        ///< missing peers, as the worker names them
   std::vector<std::pair<std::uint64_t, std::string>> failed_leases;  ///< with the reason; may come again and again
 };
@@ -89,6 +90,7 @@ class Coordinator {
     std::uint64_t steps_done = 0;
     std::uint32_t records_unconfirmed = 0;
     std::string waits_for;
+    std::vector<bool> flies;  // by agent; empty: all
   };
   struct Rate {
     double per_s = 0.0;
@@ -104,6 +106,8 @@ class Coordinator {
   [[nodiscard]] std::string missing_agents(std::uint32_t condition, std::uint32_t trial) const;
   [[nodiscard]] std::string waiting_for(Clock::time_point now) const;
   [[nodiscard]] std::uint64_t records_unconfirmed() const;
+  [[nodiscard]] std::vector<bool> flies(const WorkerNews& news) const;
+  void find_unserved(Clock::time_point now);
   void count_steps(const WorkerNews& news);
   void take_failures(const WorkerNews& news, Clock::time_point now);
   void tell_lost(const std::vector<LostWorker>& lost, Clock::time_point now);
@@ -120,6 +124,9 @@ class Coordinator {
   Clock::time_point stored_at_;    // last time that a flight was stored, or that none waited for it
   std::string trouble_;
   Clock::time_point trouble_at_;
+  std::vector<std::uint64_t> flights_missing_;  // by agent
+  std::string unserved_;                        // agents whose flights are missing, and that no worker flies
+  Clock::time_point unserved_since_;
   std::string collector_paused_;
   Clock::time_point collector_paused_at_;
   Rate flights_;

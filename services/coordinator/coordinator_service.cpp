@@ -67,6 +67,7 @@ class Conversation {
  public:
   Conversation(runtime::Service& service, const ServiceOptions& options, const experiment::Experiment& experiment)
       : stop_(service.stop),
+        notifier_(service.notifier),
         options_(options),
         experiment_(experiment),
         participant_(service.bus),
@@ -88,8 +89,10 @@ class Conversation {
 
   void run() {
     say(wire::RUN_RUNNING);
+    notifier_.ready(fmt::format("hands out experiment {}", experiment_.name));
     while (!stop_.requested() && !coordinator_.over() && collector_failure_.empty()) {
       waiter_.wait(tick_time);
+      notifier_.alive();
       listen();
       const auto now = Clock::now();
       for (const Order& order : coordinator_.tick(now)) assignments_.write(to_wire(order, experiment_.id));
@@ -115,7 +118,8 @@ class Conversation {
 
   void on_worker(const wire::WorkerStatus& status, Clock::time_point now) {
     WorkerNews news;
-    news.report = {wire::view(status.worker()), status.incarnation(), status.capacity(), status.leases()};
+    news.report = {wire::view(status.worker()), status.incarnation(), status.capacity(), status.leases(), {}};
+    news.flies_only = wire::texts(status.flies_only());
     news.steps_done = status.steps_done();
     news.records_unconfirmed = status.records_unconfirmed();
     news.waits_for = wire::view(status.missing());
@@ -151,6 +155,11 @@ class Conversation {
     if (!progress.message.empty() && (told_.message.empty() || now - said_at_ >= say_again_time)) {
       spdlog::warn("{}", progress.message);
       said_at_ = now;
+    }
+    if (now - progress_logged_at_ >= say_again_time) {
+      progress_logged_at_ = now;
+      spdlog::info("{} of {} flights stored, {:.1f} flights/s, {} workers", progress.flights_stored,
+                   progress.flights_total, progress.flights_per_s, progress.workers_alive);
     }
     told_ = progress;
     write_status(wire::RUN_RUNNING, progress.message);
@@ -213,6 +222,7 @@ class Conversation {
   }
 
   bus::StopSignal& stop_;
+  runtime::Notifier& notifier_;
   const ServiceOptions& options_;
   const experiment::Experiment& experiment_;
   bus::Participant participant_;
@@ -232,6 +242,7 @@ class Conversation {
   Progress told_;
   Clock::time_point told_at_;
   Clock::time_point said_at_;
+  Clock::time_point progress_logged_at_ = Clock::now();
 };
 
 }  // namespace

@@ -173,7 +173,7 @@ TEST_CASE("rates follow the flights and steps of the last seconds", "[coordinato
   experiment.trials = 1000;
   Coordinator coordinator(experiment, {}, 0, start);
   std::vector<std::uint64_t> leases;
-  WorkerNews report = news("w0", leases, 0);
+  WorkerNews report = news("w0", leases, 1);
   report.steps_done = 1'000'000;  // before our time
   coordinator.on_worker(report, start);
   for (std::uint32_t second = 1; second <= 60; ++second) {

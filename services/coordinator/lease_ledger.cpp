@@ -14,6 +14,8 @@ namespace {
 
 // How many lost or failed trials are looked at to find one that another worker held: a bound on the cost of a grant.
 constexpr int retries_looked_at = 8;
+// How many trials are looked at, at a time, for one with an agent that the worker flies.
+constexpr int trials_looked_at = 256;
 
 void check(bool in_range, std::string_view option, std::uint64_t value, std::string_view allowed) {
   if (!in_range)
@@ -63,7 +65,14 @@ bool LeaseLedger::flight_stored(std::uint32_t condition, std::uint32_t trial, st
   stored_[flight] = true;
   ++flights_stored_;
   Slot& slot = slots_[at];
-  if (--slot.missing > 0) return true;
+  if (--slot.missing > 0) {
+    if (slot.state == TrialState::leased && !has_work_for(slot.worker, at)) {  // the rest is for another worker
+      erase_lease(at);
+      set_state(at, TrialState::pending);
+      enqueue(at, Queue::retry);
+    }
+    return true;
+  }
 
   if (slot.state == TrialState::leased) erase_lease(at);
   if (slot.state == TrialState::failed)
@@ -83,14 +92,22 @@ bool LeaseLedger::flight_stored(std::uint32_t condition, std::uint32_t trial, st
 }
 
 HeartbeatResult LeaseLedger::heartbeat(const WorkerReport& report, Clock::time_point now) {
+  if (!report.flies.empty() && report.flies.size() != options_.agents)
+    throw std::invalid_argument(
+        fmt::format("WorkerReport::flies has {} entries; allowed: none or {}", report.flies.size(), options_.agents));
   HeartbeatResult result;
   const auto known = names_.find(report.name);
+  if (report.capacity == 0) {
+    if (known != names_.end()) leave(known->second, result);
+    return result;
+  }
   const std::uint32_t at = known != names_.end() ? known->second : add_worker(report);
   Worker& worker = workers_[at];
   seen_.remove(seen_links_, at);
   seen_.push_back(seen_links_, at);
   worker.seen = now;
   worker.capacity = std::min(report.capacity, max_capacity);
+  worker.flies = report.flies;
 
   const bool restarted = worker.incarnation != report.incarnation;
   worker.incarnation = report.incarnation;
@@ -119,7 +136,7 @@ bool LeaseLedger::claim(std::uint32_t worker, std::uint64_t lease, Clock::time_p
   if (trial >= slots_.size() || slots_[trial].queue == Queue::nowhere || leases.size() >= max_capacity) return false;
   Slot& slot = slots_[trial];
   const bool gave_it_up = slot.failures > 0 && slot.worker == worker;
-  if (gave_it_up) return false;
+  if (gave_it_up || !has_work_for(worker, trial)) return false;
   dequeue(trial);
   slot.worker = worker;
   set_state(trial, TrialState::leased);
@@ -147,21 +164,18 @@ std::vector<LostWorker> LeaseLedger::expire(Clock::time_point now) {
     LostWorker gone{worker.name, now - worker.seen, {}};
     for (const LiveLease& lease : worker.leases) gone.leases.push_back(lease.id);
     for (const std::uint64_t lease : gone.leases) lose(trial_index(lease));
-    worker.capacity = 0;
-    update_hungry(at);
-    seen_.remove(seen_links_, at);
-    names_.erase(worker.name);
-    free_workers_.push_back(at);
+    remove_worker(at);
     lost.push_back(std::move(gone));
   }
   return lost;
 }
 
 bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
-  if (hungry_.empty()) return false;
-  const std::uint32_t at = hungry_.front();
-  const std::uint32_t trial = next_trial_for(at);
-  if (trial == none) return false;
+  if (retry_.empty() && fresh_.empty()) return false;
+  std::uint32_t at = hungry_.front();
+  std::uint32_t trial = none;
+  while (at != none && (trial = next_trial_for(at)) == none) at = hungry_links_[at].next;
+  if (at == none) return false;
   Worker& worker = workers_[at];
   Slot& slot = slots_[trial];
   lease.id = (std::uint64_t{trial} << 32U) | grants_++;
@@ -169,10 +183,7 @@ bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
   lease.condition = trial / options_.trials;
   lease.trial = trial % options_.trials;
   lease.attempt = 1U + slot.failures + slot.losses;
-  lease.agents.clear();
-  lease.agents.reserve(slot.missing);
-  for (std::uint32_t agent = 0; agent < options_.agents; ++agent)
-    if (!stored_[std::size_t{trial} * options_.agents + agent]) lease.agents.push_back(agent);
+  lease.agents = missing_agents(at, trial);
 
   dequeue(trial);
   set_state(trial, TrialState::leased);
@@ -184,12 +195,43 @@ bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
   return true;
 }
 
-std::uint32_t LeaseLedger::next_trial_for(std::uint32_t worker) const noexcept {
+std::uint32_t LeaseLedger::next_trial_for(std::uint32_t worker) noexcept {
   const bool alone = names_.size() == 1;
-  std::uint32_t retry = retry_.front();
+  const std::uint32_t first_retry = first_for(worker, retry_);
+  std::uint32_t retry = first_retry;
   for (int looked_at = 0; retry != none && looked_at < retries_looked_at; ++looked_at, retry = links_[retry].next)
-    if (alone || slots_[retry].worker != worker) return retry;
-  return fresh_.empty() ? retry_.front() : fresh_.front();
+    if ((alone || slots_[retry].worker != worker) && has_work_for(worker, retry)) return retry;
+  const std::uint32_t fresh = first_for(worker, fresh_);
+  return fresh == none ? first_retry : fresh;
+}
+
+/// The first trial in the queue with an agent that the worker flies. Those before it go to the end, so that all are
+/// looked at in the end, although never many at a time.
+std::uint32_t LeaseLedger::first_for(std::uint32_t worker, IndexList& queue) noexcept {
+  for (int looked_at = 0; !queue.empty() && looked_at < trials_looked_at; ++looked_at) {
+    const std::uint32_t trial = queue.front();
+    if (has_work_for(worker, trial)) return trial;
+    queue.remove(links_, trial);
+    queue.push_back(links_, trial);
+  }
+  return none;
+}
+
+bool LeaseLedger::has_work_for(std::uint32_t worker, std::uint32_t trial_index) const noexcept {
+  const std::vector<bool>& flies = workers_[worker].flies;
+  if (flies.empty()) return slots_[trial_index].missing > 0;
+  for (std::uint32_t agent = 0; agent < options_.agents; ++agent)
+    if (flies[agent] && !stored_[std::size_t{trial_index} * options_.agents + agent]) return true;
+  return false;
+}
+
+std::vector<std::uint32_t> LeaseLedger::missing_agents(std::uint32_t worker, std::uint32_t trial_index) const {
+  const std::vector<bool>& flies = workers_[worker].flies;
+  std::vector<std::uint32_t> agents;
+  for (std::uint32_t agent = 0; agent < options_.agents; ++agent)
+    if ((flies.empty() || flies[agent]) && !stored_[std::size_t{trial_index} * options_.agents + agent])
+      agents.push_back(agent);
+  return agents;
 }
 
 bool LeaseLedger::finished() const noexcept {
@@ -276,6 +318,26 @@ std::uint32_t LeaseLedger::add_worker(const WorkerReport& report) {
   names_.emplace(report.name, at);
   seen_.push_back(seen_links_, at);
   return at;
+}
+
+void LeaseLedger::remove_worker(std::uint32_t worker) {
+  workers_[worker].capacity = 0;
+  update_hungry(worker);
+  seen_.remove(seen_links_, worker);
+  names_.erase(workers_[worker].name);
+  free_workers_.push_back(worker);
+}
+
+/// Leaving is no loss that speaks against a trial.
+void LeaseLedger::leave(std::uint32_t worker, HeartbeatResult& result) {
+  result.left = true;
+  for (const LiveLease& lease : workers_[worker].leases) result.lost.push_back(lease.id);
+  for (const std::uint64_t lease : result.lost) {
+    erase_lease(trial_index(lease));
+    set_state(trial_index(lease), TrialState::pending);
+    enqueue(trial_index(lease), Queue::retry);
+  }
+  remove_worker(worker);
 }
 
 /// After a change of capacity or leases: a worker with room stands in the queue of those, others do not.

@@ -50,8 +50,9 @@ struct LedgerOptions {
 struct WorkerReport {
   std::string_view name;
   std::uint64_t incarnation = 0;  ///< changes when the worker restarts (its process id)
-  std::uint32_t capacity = 0;     ///< trials it wants at a time, at most max_capacity are given; 0: none, it leaves
+  std::uint32_t capacity = 0;     ///< trials it wants at a time, at most max_capacity are given; 0: it leaves for good
   std::span<const std::uint64_t> leases;  ///< that it holds
+  std::vector<bool> flies{};              ///< by agent; empty: all
 };
 
 /// One trial for one worker.
@@ -67,6 +68,7 @@ struct Lease {
 /// What a heartbeat changed.
 struct HeartbeatResult {
   bool joined = false;                 ///< not known before, or restarted
+  bool left = false;                   ///< known before, and has just left in good order
   std::vector<std::uint64_t> adopted;  ///< leases of an earlier coordinator, or of a worker that was thought lost
   std::vector<std::uint64_t> cancel;   ///< leases that the worker holds without right: done, or leased to another
   std::vector<std::uint64_t> lost;     ///< leases taken back from this worker
@@ -97,6 +99,7 @@ class LeaseLedger {
   /// A flight is in the database, now or since an earlier run. False if that was known.
   bool flight_stored(std::uint32_t condition, std::uint32_t trial, std::uint32_t agent);
 
+  /// std::invalid_argument if `flies` is neither empty nor one entry per agent.
   HeartbeatResult heartbeat(const WorkerReport& report, Clock::time_point now);
 
   /// The worker gave the trial up. Ignored unless the lease is live.
@@ -106,7 +109,8 @@ class LeaseLedger {
   std::vector<LostWorker> expire(Clock::time_point now);
 
   /// The next lease for some worker with free capacity, in turn; false if there is no such worker or no such trial.
-  /// A lost or failed trial goes to another worker than before if that needs no waiting.
+  /// A lost or failed trial goes to another worker than before if that needs no waiting. A worker that flies only some
+  /// agents gets these flights of a trial; the others wait for a worker that flies them.
   bool grant(Clock::time_point now, Lease& lease);
 
   [[nodiscard]] bool finished() const noexcept;  ///< every trial is done or failed
@@ -150,6 +154,7 @@ class LeaseLedger {
     bool hungry = false;  // is in hungry_
     Clock::time_point seen;
     std::vector<LiveLease> leases;
+    std::vector<bool> flies;  // by agent; empty: all
   };
   struct NameHash : std::hash<std::string_view> {
     using is_transparent = void;
@@ -166,9 +171,14 @@ class LeaseLedger {
   void set_state(std::uint32_t trial_index, TrialState state) noexcept;
   void enqueue(std::uint32_t trial_index, Queue queue) noexcept;
   void dequeue(std::uint32_t trial_index) noexcept;
-  [[nodiscard]] std::uint32_t next_trial_for(std::uint32_t worker) const noexcept;
+  [[nodiscard]] bool has_work_for(std::uint32_t worker, std::uint32_t trial_index) const noexcept;
+  [[nodiscard]] std::uint32_t first_for(std::uint32_t worker, IndexList& queue) noexcept;
+  [[nodiscard]] std::uint32_t next_trial_for(std::uint32_t worker) noexcept;
+  [[nodiscard]] std::vector<std::uint32_t> missing_agents(std::uint32_t worker, std::uint32_t trial_index) const;
 
   std::uint32_t add_worker(const WorkerReport& report);
+  void remove_worker(std::uint32_t worker);
+  void leave(std::uint32_t worker, HeartbeatResult& result);
   void update_hungry(std::uint32_t worker);
   bool claim(std::uint32_t worker, std::uint64_t lease, Clock::time_point now, HeartbeatResult& result);
   [[nodiscard]] bool holds(std::uint32_t worker, std::uint64_t lease) const noexcept;

@@ -56,11 +56,58 @@ TEST_CASE("trials are leased condition by condition, each worker up to its capac
   CHECK(ledger.count(TrialState::done) == 1);
 }
 
-TEST_CASE("a worker without capacity gets nothing", "[ledger]") {
-  LeaseLedger ledger({.trials = 2});
-  beat(ledger, "leaving", start, {}, 0);
+TEST_CASE("a worker that leaves is gone at once; its trials return to the queue, and are not held against",
+          "[ledger]") {
+  LeaseLedger ledger({.trials = 1, .max_losses = 1});
+  CHECK_FALSE(beat(ledger, "stranger", start, {}, 0).left);
+  CHECK(ledger.workers_alive() == 0);
+  beat(ledger, "w0", start);
+  const Lease lease = must_grant(ledger);
+  const HeartbeatResult result = beat(ledger, "w0", start, {lease.id}, 0);
+  CHECK(result.left);
+  CHECK(result.lost == std::vector{lease.id});
+  CHECK(ledger.workers_alive() == 0);
+  CHECK(ledger.state(0, 0) == TrialState::pending);
   CHECK(nothing_to_grant(ledger));
-  CHECK(ledger.workers_alive() == 1);
+  beat(ledger, "w1", start);
+  CHECK(must_grant(ledger).attempt == 1);
+}
+
+TEST_CASE("workers that fly only some agents get these flights; others complete the trial", "[ledger]") {
+  LeaseLedger ledger({.trials = 400, .agents = 3});
+  const auto beat_flying = [&](std::string_view name, std::vector<bool> flies, std::vector<std::uint64_t> leases = {}) {
+    return ledger.heartbeat({name, 1, 1, leases, std::move(flies)}, start);
+  };
+  CHECK_THROWS_AS(beat_flying("odd", {true}), std::invalid_argument);
+  beat_flying("middle", {false, true, false});
+  const Lease first = must_grant(ledger);
+  CHECK(first.agents == std::vector<std::uint32_t>{1});
+  ledger.flight_stored(0, first.trial, 1);
+  CHECK(ledger.state(0, first.trial) == TrialState::pending);
+  // It may still list the lease that is over; the next one is of another trial.
+  CHECK(beat_flying("middle", {false, true, false}, {first.id}).cancel == std::vector{first.id});
+  for (std::uint32_t trial = 1; trial < 400; ++trial) {
+    const Lease next = must_grant(ledger);
+    CHECK(next.agents == std::vector<std::uint32_t>{1});
+    ledger.flight_stored(0, next.trial, 1);
+  }
+  CHECK(nothing_to_grant(ledger));
+
+  // The others find theirs, also behind hundreds that are not for them, and although "middle" is hungry before them.
+  for (std::uint32_t trial = 0; trial < 399; ++trial) ledger.flight_stored(0, trial, 2);
+  beat_flying("last", {false, false, true});
+  std::vector<Lease> found;
+  for (int look = 0; look < 3 && found.empty(); ++look)
+    if (Lease lease; ledger.grant(start, lease)) found.push_back(lease);
+  REQUIRE(found.size() == 1);
+  CHECK(found[0].trial == 399);
+  CHECK(found[0].agents == std::vector<std::uint32_t>{2});
+  beat(ledger, "all", start);
+  CHECK(must_grant(ledger).agents == std::vector<std::uint32_t>{0});
+  for (std::uint32_t trial = 0; trial < 400; ++trial) ledger.flight_stored(0, trial, 0);
+  CHECK(ledger.count(TrialState::done) == 399);
+  ledger.flight_stored(0, 399, 2);
+  CHECK(ledger.finished());
 }
 
 TEST_CASE("a worker's silence returns its trials to the queue, for others first", "[ledger]") {
@@ -122,15 +169,17 @@ TEST_CASE("a trial that fails is tried max_attempts times, elsewhere if possible
 }
 
 TEST_CASE("a failed trial waits for another worker while there are fresh trials", "[ledger]") {
-  LeaseLedger ledger({.trials = 3});
+  LeaseLedger ledger({.trials = 4});
+  beat(ledger, "w1", start);
+  const Lease other = must_grant(ledger);
   beat(ledger, "w0", start);
-  beat(ledger, "w1", start, {}, 0);
   const Lease first = must_grant(ledger);
   ledger.lease_failed(first.id, "reason");
   const Lease next = must_grant(ledger);
-  CHECK(next.trial == 1);
-  beat(ledger, "w1", start);
-  CHECK(must_grant(ledger).trial == 0);
+  CHECK(next.worker == "w0");
+  CHECK(next.trial == 2);
+  beat(ledger, "w1", start, {other.id}, 2);
+  CHECK(must_grant(ledger).trial == first.trial);
 }
 
 TEST_CASE("a failed trial does not wait if there is no other worker", "[ledger]") {
@@ -171,7 +220,7 @@ TEST_CASE("a lease that its worker never lists is lost", "[ledger]") {
     for (Lease lease; ledger.grant(start + 6s, lease);) {
       if (lease.worker != "w1") ledger.lease_failed(lease.id, "make it go to w1");
     }
-    CHECK(beat(ledger, "w0", start + 7s, {first.id, second.id}, 0).cancel == std::vector{first.id});
+    CHECK(beat(ledger, "w0", start + 7s, {first.id, second.id}, 1).cancel == std::vector{first.id});
   }
 }
 

@@ -16,9 +16,16 @@ int main(int argc, char** argv) {
     if (service.bus.discovery_server.empty())
       throw InputError("--discovery-server ADDRESS:PORT is missing: where to listen, an address of this machine");
     service.bus.serves_discovery = true;
+    bus::Waiter waiter(service.stop);
+    // If this server replaces one that has just died, its clients must notice that first: only then do they introduce
+    // themselves again.
+    waiter.wait(2 * service.bus.lease);
     const bus::Participant participant(service.bus);
     spdlog::info("serves discovery on {}", service.bus.discovery_server);
-    bus::Waiter waiter(service.stop);
-    while (!service.stop.requested()) waiter.wait(std::chrono::hours(1));
+    service.notifier.ready("serves discovery on " + service.bus.discovery_server);
+    while (!service.stop.requested()) {
+      waiter.wait(std::chrono::seconds(1));
+      service.notifier.alive();
+    }
   });
 }

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
             ->capture_default_str();
         app.add_option("--strength", options.strength, "Of two processes with the same agent, the stronger flies")
             ->capture_default_str();
+        app.add_option("--agents", options.agents, "Serve only these agents [all]")->delimiter(',');
       },
       [&](runtime::Service& service) { agent_host::AgentHost(service.bus, options, service.stop).run(); });
 }

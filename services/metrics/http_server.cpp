@@ -15,7 +15,8 @@ struct HttpServer::State {
   std::thread thread;
 };
 
-HttpServer::HttpServer(int port, const std::map<std::string, Handler>& routes) : state_(std::make_unique<State>()) {
+HttpServer::HttpServer(const std::string& host, int port, const std::map<std::string, Handler>& routes)
+    : state_(std::make_unique<State>()) {
   httplib::Server& server = state_->server;
   server.new_task_queue = [] { return new httplib::ThreadPool(2); };  // NOLINT: the library takes ownership
   // The library's default shares a port with whoever else listens there.
@@ -32,7 +33,6 @@ HttpServer::HttpServer(int port, const std::map<std::string, Handler>& routes) :
       response.set_content(answer.body, answer.content_type);
     });
   }
-  const std::string host = "127.0.0.1";
   state_->port = port == 0 ? server.bind_to_any_port(host) : server.bind_to_port(host, port) ? port : -1;
   if (state_->port < 0)
     throw InputError(fmt::format(

@@ -13,13 +13,13 @@ struct HttpResponse {
   std::string body;
 };
 
-/// Answers GET requests on 127.0.0.1 until it is destroyed. Handlers run on the server's two threads.
+/// Answers GET requests until it is destroyed. Handlers run on the server's two threads.
 class HttpServer {
  public:
   using Handler = std::function<HttpResponse()>;
 
-  /// Port 0 takes a free one. InputError if the port cannot be had.
-  HttpServer(int port, const std::map<std::string, Handler>& routes);
+  /// Listens on an IPv4 address of this machine. Port 0 takes a free one. InputError if the port cannot be had.
+  HttpServer(const std::string& address, int port, const std::map<std::string, Handler>& routes);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -10,13 +10,14 @@
 using namespace aloft::metrics;
 
 TEST_CASE("the server answers its routes on loopback", "[http]") {
-  HttpServer server(0, {{"/healthz",
-                         [] {
-                           return HttpResponse{200, "text/plain", "ok\n"};
-                         }},
-                        {"/broken", [] {
-                           return HttpResponse{503, "text/plain", "stalled\n"};
-                         }}});
+  HttpServer server("127.0.0.1", 0,
+                    {{"/healthz",
+                      [] {
+                        return HttpResponse{200, "text/plain", "ok\n"};
+                      }},
+                     {"/broken", [] {
+                        return HttpResponse{503, "text/plain", "stalled\n"};
+                      }}});
   REQUIRE(server.port() > 0);
   httplib::Client client("127.0.0.1", server.port());
   const auto health = client.Get("/healthz");
@@ -28,8 +29,8 @@ TEST_CASE("the server answers its routes on loopback", "[http]") {
 }
 
 TEST_CASE("a taken port is a clear error", "[http]") {
-  const HttpServer first(0, {});
-  CHECK_THROWS_AS(HttpServer(first.port(), {}), aloft::InputError);
+  const HttpServer first("127.0.0.1", 0, {});
+  CHECK_THROWS_AS(HttpServer("127.0.0.1", first.port(), {}), aloft::InputError);
 }
 
 TEST_CASE("instruments read as Prometheus text", "[http]") {

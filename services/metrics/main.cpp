@@ -11,10 +11,15 @@ int main(int argc, char** argv) {
                        "Experiment as canonical JSON (experiment.json of a result folder)")
             ->required();
         app.add_option("--results", options.results, "Result folder, made or continued")->required();
-        app.add_option(
-               "--http-port", options.http_port,
-               "Serve /healthz, /status and /metrics on 127.0.0.1; 0: any free port (see the log); none: do not")
+        app.add_option("--http-port", options.http_port,
+                       "Serve /healthz, /status and /metrics there; 0: any free port (see the log); none: do not")
             ->check(CLI::Range(0, 65535));
+        app.add_option("--http-address", options.http_address,
+                       "Address of this machine for --http-port; 0.0.0.0: all, so that other hosts can read them")
+            ->check(CLI::ValidIPV4)
+            ->capture_default_str();
+        app.add_flag("--summary", options.summary,
+                     "Outlive a coordinator that is stopped; write summary.json and summary.csv when the run is over");
       },
       [&options](aloft::runtime::Service& service) { aloft::metrics::collect(service, options); });
 }

@@ -42,6 +42,8 @@ class Conversation {
  public:
   Conversation(runtime::Service& service, const ServiceOptions& options, const experiment::Experiment& experiment)
       : stop_(service.stop),
+        notifier_(service.notifier),
+        options_(options),
         experiment_(experiment),
         store_(store::ResultStore::open_for_writing(options.results, experiment)),
         board_(service.bus.run),
@@ -56,13 +58,15 @@ class Conversation {
     waiter_.add(records_);
     waiter_.add(memory_requests_);
     waiter_.add(controls_);
-    if (options.http_port) serve_http(*options.http_port);
+    if (options.http_port) serve_http(options.http_address, *options.http_port);
     tell_collector(wire::COLLECTOR_STORING, "");
   }
 
   void run() {
+    notifier_.ready(fmt::format("stores experiment {}", experiment_.name));
     while (!stop_.requested() && !over_) {
       waiter_.wait(time_to_wait());
+      notifier_.alive();
       listen();
       store_due(false);
       publish();
@@ -75,9 +79,9 @@ class Conversation {
   }
 
  private:
-  void serve_http(int port) {
+  void serve_http(const std::string& address, int port) {
     http_ = std::make_unique<HttpServer>(
-        port,
+        address, port,
         std::map<std::string, HttpServer::Handler>{
             {"/healthz", [this] { return board_.health(Clock::now()); }},
             {"/status",
@@ -87,7 +91,7 @@ class Conversation {
             {"/metrics", [this] {
                return HttpResponse{200, "text/plain; version=0.0.4; charset=utf-8", instruments_.prometheus_text()};
              }}});
-    spdlog::info("http://127.0.0.1:{}/status, /metrics and /healthz are up", http_->port());
+    spdlog::info("http://{}:{}/status, /metrics and /healthz are up", address, http_->port());
   }
 
   [[nodiscard]] std::chrono::milliseconds time_to_wait() const {
@@ -111,7 +115,8 @@ class Conversation {
     });
     controls_.drain([this](const wire::RunControl& control) {
       board_.on_control(control);
-      over_ = over_ || control.state() != wire::RUN_RUNNING;
+      const bool goes_on_later = options_.summary && control.state() == wire::RUN_STOPPING;
+      over_ = over_ || (control.state() != wire::RUN_RUNNING && !goes_on_later);
     });
   }
 
@@ -213,6 +218,8 @@ class Conversation {
   }
 
   bus::StopSignal& stop_;
+  runtime::Notifier& notifier_;
+  const ServiceOptions& options_;
   const experiment::Experiment& experiment_;
   store::ResultStore store_;
   Instruments instruments_;
@@ -243,6 +250,7 @@ void collect(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
       experiment::parse(experiment::read_text_file(options.experiment), options.experiment.string());
   Conversation(service, options, experiment).run();
+  if (options.summary && !service.stop.requested()) store::write_summary(options.results);
 }
 
 }  // namespace aloft::metrics

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "services/runtime/service.hpp"
 
@@ -10,7 +11,9 @@ namespace aloft::metrics {
 struct ServiceOptions {
   std::filesystem::path experiment;  ///< canonical JSON
   std::filesystem::path results;     ///< folder of results.sqlite
-  std::optional<int> http_port;      ///< on 127.0.0.1; 0: any free one
+  std::optional<int> http_port;      ///< 0: any free one
+  std::string http_address = "127.0.0.1";
+  bool summary = false;  ///< write summary.json and summary.csv at the end of the run; until then, outlive coordinators
 };
 
 /// Stores what the channels report until the run ends or a stop is requested. InputError if the experiment, the results

@@ -29,6 +29,7 @@ struct CommonOptions {
   std::filesystem::path log_dir;
   std::string log_level = "info";
   bool die_with_parent = false;
+  bool verbose = false;
 };
 
 void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
@@ -39,6 +40,7 @@ void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
   app.add_option("--log-level", options.log_level, "Least level that is logged")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error"}))
       ->capture_default_str();
+  app.add_flag("--verbose", options.verbose, "Log to standard error what goes to the file, not only warnings");
   app.add_flag("--die-with-parent", options.die_with_parent, "End when the process that started this one ends");
   if (info.in_worker)
     app.add_option("--worker", options.bus.worker, "Name of the worker that this process belongs to")->required();
@@ -51,11 +53,11 @@ void open_first_log(const std::string& name) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-/// The file takes everything from the chosen level on, standard error only warnings and worse.
+/// The file takes everything from the chosen level on, standard error only warnings and worse (--verbose: too).
 void open_log(const CommonOptions& options, const ServiceInfo& info) {
   const std::string name = options.bus.worker.empty() ? info.name : info.name + "-" + options.bus.worker;
   auto console = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-  console->set_level(spdlog::level::warn);
+  if (!options.verbose) console->set_level(spdlog::level::warn);
   std::vector<spdlog::sink_ptr> sinks{console};
   if (!options.log_dir.empty()) {
     const std::filesystem::path file = options.log_dir / (name + ".log");
@@ -94,10 +96,11 @@ int guarded(const std::function<int()>& work) {
 }
 
 int serve(const CommonOptions& options, const ServiceInfo& info, const std::function<void(Service&)>& run) {
-  bus::StopSignal stop;  // before any other thread
+  Notifier notifier;     // changes the environment:
+  bus::StopSignal stop;  // both before any other thread
   if (options.die_with_parent) follow_parent();
   open_log(options, info);
-  Service service{options.bus, stop};
+  Service service{options.bus, stop, notifier};
   service.bus.process = info.name;
   if (!service.bus.secure.empty()) service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
   spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);

@@ -9,6 +9,7 @@
 
 #include "common/bus/participant.hpp"
 #include "common/bus/stop_signal.hpp"
+#include "services/runtime/notifier.hpp"
 
 namespace aloft::runtime {
 
@@ -23,6 +24,7 @@ struct ServiceInfo {
 struct Service {
   bus::BusOptions bus;
   bus::StopSignal& stop;
+  Notifier& notifier;  ///< services that run alone under a service manager tell it how they are
 };
 
 /// Makes a service of two functions: `add_options` declares further command-line options (may be empty), `run` does the

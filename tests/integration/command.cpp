@@ -22,7 +22,7 @@ namespace {
   dup2(open(err.c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
   if (chdir(ALOFT_SOURCE_DIR) != 0) _exit(126);
   std::vector<std::string> copies = arguments;
-  copies[0] = std::string(ALOFT_BIN_DIR) + "/" + copies[0];
+  if (!copies[0].starts_with('/')) copies[0] = std::string(ALOFT_BIN_DIR) + "/" + copies[0];
   std::vector<char*> argv;
   argv.reserve(copies.size() + 1);
   for (std::string& argument : copies) argv.push_back(argument.data());

@@ -38,7 +38,7 @@ inline constexpr int slowdown = 4;
 inline constexpr int slowdown = 1;
 #endif
 
-/// A program of build/bin started in the repository's root, in a process group of its own.
+/// A program of build/bin (or an absolute path) started in the repository's root, in a process group of its own.
 class Command {
  public:
   explicit Command(const std::vector<std::string>& arguments);

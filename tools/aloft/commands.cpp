@@ -17,8 +17,9 @@ const CLI::Validator whole_number(
 
 }  // namespace
 
-void ExperimentOptions::add_to(CLI::App& command) {
-  command.add_option("experiment", file, "Experiment file (JSON); data/experiments/ has some")->required();
+CLI::Option& ExperimentOptions::add_to(CLI::App& command) {
+  CLI::Option* option = command.add_option("experiment", file, "Experiment file (JSON); data/experiments/ has some");
+  option->required();
   command
       .add_option("--set", overrides.set,
                   "Override one value: json.path=value, e.g. world.bs_density_per_km2=5; repeatable")
@@ -28,6 +29,7 @@ void ExperimentOptions::add_to(CLI::App& command) {
       ->delimiter(',');
   command.add_option("--trials", overrides.trials, "Trials per condition instead of the file's")->check(whole_number);
   command.add_option("--seed", overrides.seed, "Seed instead of the file's")->check(whole_number);
+  return *option;
 }
 
 void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices) {

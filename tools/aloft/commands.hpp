@@ -14,6 +14,9 @@ using Job = std::function<int()>;
 
 /// Each adds one subcommand to `app`; when the command line names it, `job` is set.
 void add_run(CLI::App& app, Job& job);
+void add_worker(CLI::App& app, Job& job);
+void add_coordinator(CLI::App& app, Job& job);
+void add_metrics(CLI::App& app, Job& job);
 void add_reproduce(CLI::App& app, Job& job);
 void add_tournament(CLI::App& app, Job& job);
 void add_report(CLI::App& app, Job& job);
@@ -34,7 +37,8 @@ struct ExperimentOptions {
   std::filesystem::path file;
   experiment::Overrides overrides;
 
-  void add_to(CLI::App& command);
+  /// Returns the option of the file, which is required.
+  CLI::Option& add_to(CLI::App& command);
   [[nodiscard]] experiment::Experiment load() const { return experiment::load(file, overrides); }
 };
 

@@ -8,7 +8,6 @@
 
 #include "common/base/error.hpp"
 #include "common/experiment/summary.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/experiment/warnings.hpp"
 #include "common/store/result_store.hpp"
 #include "services/runtime/bus_flags.hpp"
@@ -23,12 +22,6 @@ static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler")
 
 extern "C" void note_interrupt(int /*signal*/) {
   interrupted = true;
-}
-
-void write_summary(const std::filesystem::path& dir) {
-  const nlohmann::ordered_json summary = store::summarise(store::ResultStore::open_for_reading(dir));
-  experiment::write_text_file(dir / "summary.json", summary.dump(2) + "\n");
-  experiment::write_text_file(dir / "summary.csv", experiment::summary_csv(summary));
 }
 
 /// Returns true if every flight is stored; what failed for good is added to `failures`.
@@ -59,20 +52,26 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
 FlyingOptions::FlyingOptions() : workers(std::max(1U, std::thread::hardware_concurrency())) {}
 
 void FlyingOptions::add_to(CLI::App& command) {
-  command.add_option("--workers", workers, "Worker groups (environment, channel, agents); with --in-process: threads")
-      ->check(CLI::Range(1, 64))
+  command
+      .add_option("--workers", workers,
+                  "Worker groups (environment, channel, agents) started here; 0: only those that join; with "
+                  "--in-process: threads")
+      ->check(CLI::Range(0, 64))
       ->capture_default_str();
   command.add_option("--fail-fast", fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")
       ->capture_default_str();
   command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");
   command.add_flag("--shuffled", shuffled, "Hand out the trials in a shuffled order: the same bytes");
   bus.run.clear();
-  command.add_option("--run", bus.run, "Name of the run on the bus, for external agents that join it [one of its own]");
+  command.add_option("--run", bus.run,
+                     "Name of the run on the bus, for workers and external agents that join it [one of its own]");
   runtime::add_bus_flags(command, bus);
 }
 
 int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,
                    const FlyingOptions& options) {
+  if (options.in_process && options.workers == 0)
+    throw InputError("--workers 0: --in-process needs a thread at least; use 1 to 64");
   std::signal(SIGINT, note_interrupt);
   std::signal(SIGTERM, note_interrupt);
   for (const experiment::Warning& warning : experiment::warnings(experiment))
@@ -85,7 +84,7 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
                dir.string());
     return exit_interrupted;
   }
-  write_summary(dir);
+  store::write_summary(dir);
   return complete && failures.empty() ? exit_ok : exit_failure;
 }
 

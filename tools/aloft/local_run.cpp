@@ -37,6 +37,16 @@ void add_services(Processes& processes, const LocalRun& run) {
   for (unsigned i = 0; i < run.workers; ++i) processes.add_worker(fmt::format("w{}", i));
 }
 
+/// The run's name and what differs from the defaults.
+std::string join_arguments(const bus::BusOptions& place) {
+  const bus::BusOptions defaults;
+  std::string text = place.run;
+  if (place.domain != defaults.domain) text += fmt::format(" --domain {}", place.domain);
+  if (place.interfaces != defaults.interfaces) text += " --interface THEIRS";
+  if (!place.discovery_server.empty()) text += " --discovery-server " + place.discovery_server;
+  return text;
+}
+
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -59,6 +69,8 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
   bus::Waiter waiter;
   waiter.add(statuses);
 
+  if (run.workers == 0 || !run.place.run.empty())
+    progress.note(fmt::format("Workers join with: aloft worker --join {}", join_arguments(place)));
   Processes processes(place, run.dir / "log");
   add_services(processes, run);
   processes.start_all();

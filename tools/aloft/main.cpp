@@ -57,6 +57,9 @@ int main(int argc, char** argv) {
   app.footer("Start with: aloft run data/experiments/quick.json");
   Job job;
   add_run(app, job);
+  add_worker(app, job);
+  add_coordinator(app, job);
+  add_metrics(app, job);
   add_reproduce(app, job);
   add_status(app, job);
   add_doctor(app, job);

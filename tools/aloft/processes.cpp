@@ -1,6 +1,7 @@
 #include "tools/aloft/processes.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -35,9 +36,12 @@ void Processes::add_decider(const std::string& program, const std::vector<std::s
   decider_ = program;
 }
 
-void Processes::add_worker(const std::string& worker, const std::vector<std::string>& more) {
-  for (const char* program : {"aloft-environment", "aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
-    add(program, worker, more);
+void Processes::add_worker(const std::string& worker, const std::vector<std::string>& agents) {
+  std::vector<std::string> only;
+  if (!agents.empty()) only = {"--agents", fmt::format("{}", fmt::join(agents, ","))};
+  add("aloft-environment", worker, {});
+  for (const char* program : {"aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
+    add(program, worker, only);
 }
 
 void Processes::add(const std::string& program, const std::string& worker, const std::vector<std::string>& more) {

@@ -28,8 +28,9 @@ void Progress::update(std::uint64_t flights_done, unsigned workers_alive, unsign
   const double rate = elapsed_s > 0 ? static_cast<double>(flown) / elapsed_s : 0.0;
   const std::string eta =
       flown == 0 ? "-:--" : status::clock_text(static_cast<double>(total_ - std::min(flights_done, total_)) / rate);
-  text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}/{}", flights_done, total_, rate, eta,
-                      workers_alive, workers_wanted);
+  const bool others_joined = workers_alive > workers_wanted || workers_wanted == 0;
+  text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}{}", flights_done, total_, rate, eta,
+                      workers_alive, others_joined ? "" : fmt::format("/{}", workers_wanted));
   const bool news = !message.empty() && message != last_message_;
   if (!message.empty()) text_ += "  " + message;
   last_message_ = message;

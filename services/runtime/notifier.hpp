@@ -1,0 +1,34 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace aloft::runtime {
+
+/// Tells the service manager how this process is (systemd's sd_notify protocol): ready, alive, stopping. Does nothing
+/// unless the manager asked for it with $NOTIFY_SOCKET, and $WATCHDOG_USEC for alive().
+class Notifier {
+ public:
+  /// Takes the variables out of the environment, so that child processes do not speak for this one: before any other
+  /// thread.
+  Notifier();
+  /// Says that the process is stopping.
+  ~Notifier();
+  Notifier(const Notifier&) = delete;
+  Notifier& operator=(const Notifier&) = delete;
+
+  /// `status` is one line for people.
+  void ready(const std::string& status);
+  /// To be called in every round of the main loop, at least every second; sends no more than the manager needs.
+  void alive();
+
+ private:
+  void send(const std::string& message) const;
+
+  using Clock = std::chrono::steady_clock;
+  int socket_ = -1;
+  Clock::duration watchdog_period_{};  // zero: none
+  Clock::time_point told_;
+};
+
+}  // namespace aloft::runtime

@@ -1,0 +1,116 @@
+// "aloft coordinator" and "aloft metrics": the services of a run that is spread over several machines, one at a time.
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <memory>
+#include <system_error>
+
+#include "common/base/error.hpp"
+#include "services/runtime/bus_flags.hpp"
+#include "tools/aloft/commands.hpp"
+#include "tools/aloft/processes.hpp"
+
+namespace aloft::cli {
+namespace {
+
+struct StandaloneOptions {
+  ExperimentOptions experiment;
+  std::filesystem::path out;
+  bus::BusOptions bus;
+  std::vector<std::string> more;  // for the service
+
+  void add_to(CLI::App& command) {
+    command.add_option("--run", bus.run, "Name of the run, the same for all its processes")->required();
+    runtime::add_bus_flags(command, bus);
+  }
+};
+
+/// A file without a name that the program which replaces this one reads: the resolved experiment is checked here, and
+/// leaves nothing behind.
+std::string unnamed_file(const std::string& content) {
+  const int descriptor = memfd_create("experiment", 0);
+  if (descriptor < 0 || write(descriptor, content.data(), content.size()) != static_cast<ssize_t>(content.size()))
+    throw std::system_error(errno, std::generic_category(), "cannot hand over the experiment");
+  return fmt::format("/proc/self/fd/{}", descriptor);
+}
+
+/// The service takes this process over: its signals, its exit code, its place under a service manager.
+[[noreturn]] void become(const std::string& program, const StandaloneOptions& options, const std::string& experiment) {
+  std::vector<std::string> arguments{program,
+                                     "--experiment",
+                                     experiment,
+                                     "--results",
+                                     options.out.string(),
+                                     "--log-dir",
+                                     (options.out / "log").string(),
+                                     "--verbose"};
+  const std::vector<std::string> place = runtime::bus_arguments(options.bus);
+  arguments.insert(arguments.end(), place.begin(), place.end());
+  arguments.insert(arguments.end(), options.more.begin(), options.more.end());
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  execv(program_path(program).c_str(), argv.data());
+  throw std::system_error(errno, std::generic_category(), "cannot start " + program_path(program).string());
+}
+
+/// An option of the service itself; it is checked there.
+void pass_on(CLI::App& command, const std::shared_ptr<StandaloneOptions>& options, const std::string& flag,
+             const std::string& help) {
+  command.add_option_function<std::string>(
+      flag,
+      [options, flag](const std::string& value) {
+        options->more.insert(options->more.end(), {flag, value});
+      },
+      help);
+}
+
+std::string resolved(const ExperimentOptions& options) {
+  return unnamed_file(options.load().canonical.dump());
+}
+
+/// What the command line changes in the experiment needs the experiment.
+std::string resolved_or_stored(const StandaloneOptions& options) {
+  if (!options.experiment.file.empty()) return resolved(options.experiment);
+  const std::filesystem::path stored = options.out / "experiment.json";
+  if (!std::filesystem::exists(stored))
+    throw InputError(
+        fmt::format("--out {}: holds no experiment.json; name the experiment file too", options.out.string()));
+  return stored.string();
+}
+
+}  // namespace
+
+void add_coordinator(CLI::App& app, Job& job) {
+  auto* command = app.add_subcommand(
+      "coordinator", "Hand out the trials of an experiment to workers on any machine, until every flight is stored");
+  auto options = std::make_shared<StandaloneOptions>();
+  options->experiment.add_to(*command);
+  options->add_to(*command);
+  command->add_option("--out", options->out, "Result folder of the run's metrics service, on the same machine")
+      ->required();
+  pass_on(*command, options, "--fail-fast", "Stop after this many failed trials; 0: fly the rest, then report [0]");
+  pass_on(*command, options, "--give-up-after", "Time in seconds without any worker that ends the run; 0: never [0]");
+  command->callback([options, &job] {
+    job = [options]() -> int { become("aloft-coordinator", *options, resolved(options->experiment)); };
+  });
+}
+
+void add_metrics(CLI::App& app, Job& job) {
+  auto* command =
+      app.add_subcommand("metrics", "Store the flights of a run that workers on any machine fly; one per run");
+  auto options = std::make_shared<StandaloneOptions>();
+  options->experiment.add_to(*command).required(false);
+  options->add_to(*command);
+  command->add_option("--out", options->out, "Result folder, made or continued")->required();
+  options->more = {"--summary"};
+  pass_on(*command, options, "--http-port", "Serve /healthz, /status and /metrics there; 0: any free port [none]");
+  pass_on(*command, options, "--http-address", "Address for --http-port [127.0.0.1]");
+  command->callback([options, &job] {
+    job = [options]() -> int { become("aloft-metrics", *options, resolved_or_stored(*options)); };
+  });
+}
+
+}  // namespace aloft::cli

@@ -119,6 +119,7 @@ const char* validate(const wire::WorkerStatus& sample) noexcept {
   if (sample.failures().size() > max_leases) return "failures too long";
   if (sample.agents().size() > max_agents) return "agents too long";
   if (sample.flies_only().size() > max_agents) return "flies_only too long";
+  if (!within(sample.answer_s(), 0.0, 1e12)) return "answer_s out of range";
   for (const wire::AgentNews& agent : sample.agents()) {
     if (!up_to(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
     if (!within(agent.silent_s(), 0.0, 1e12)) return "silent_s of an agent out of range";

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/bus/answer_times.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
@@ -162,14 +163,16 @@ struct Channel::State {
   void on_command(const wire::HeightCommand& command) {
     if (command.stream() >= episodes.size() || !episodes[command.stream()]) return;
     Episode& episode = *episodes[command.stream()];
-    switch (episode.accept(command, now)) {
+    const auto heard = Clock::now();
+    const double answer_s = seconds(episode.silence(heard));
+    switch (episode.accept(command, heard)) {
       case Episode::Outcome::ignored:
         return;
       case Episode::Outcome::stepped:
-        ++steps_done;
+        count_step(answer_s);
         return ask(episode);
       case Episode::Outcome::finished:
-        ++steps_done;
+        count_step(answer_s);
         ask(episode);
         return land(episode);
       case Episode::Outcome::lost:
@@ -177,6 +180,13 @@ struct Channel::State {
       case Episode::Outcome::forbidden:
         return fail(lease_of(episode), fmt::format("agent {} may not jump to a height", episode.agent().name));
     }
+  }
+
+  /// `answer_s`: since the report that the command answers.
+  void count_step(double answer_s) {
+    ++steps_done;
+    ++answer_counts[bus::answer_bucket(answer_s)];
+    all_answers_s += answer_s;
   }
 
   void on_memory(const wire::FlightMemory& memory) {
@@ -339,6 +349,8 @@ struct Channel::State {
     status.flies_only(wire::names(flies_only));
     status.flights_done(flights_done);
     status.steps_done(steps_done);
+    status.answer_counts(answer_counts);
+    status.answer_s(all_answers_s);
     status.records_unconfirmed(static_cast<std::uint32_t>(outbox.size()));
     status.drops(participant.drops());
     status.missing(wire::message(missing));
@@ -433,6 +445,8 @@ struct Channel::State {
   std::uint64_t heartbeat = 0;
   std::uint64_t flights_done = 0;
   std::uint64_t steps_done = 0;
+  bus::AnswerCounts answer_counts{};
+  double all_answers_s = 0.0;
 
   MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses what stands above
 };

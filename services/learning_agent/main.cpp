@@ -1,7 +1,5 @@
 // The agents that learn: DQN and other learners.
-#include <algorithm>
-#include <thread>
-
+#include "common/base/cores.hpp"
 #include "services/agent_host/agent_host.hpp"
 #include "services/runtime/service.hpp"
 
@@ -9,7 +7,7 @@ int main(int argc, char** argv) {
   using namespace aloft;
   const runtime::ServiceInfo info{
       .name = "aloft-learning-agent", .description = "Flies UAVs with the agents that learn.", .in_worker = true};
-  agent_host::AgentHostOptions options{.learners = true, .threads = std::max(1U, std::thread::hardware_concurrency())};
+  agent_host::AgentHostOptions options{.learners = true, .threads = usable_cores()};
   return runtime::run_service(
       argc, argv, info,
       [&](CLI::App& app) {

@@ -7,7 +7,10 @@
 #include <prometheus/text_serializer.h>
 
 #include <array>
+#include <map>
+#include <mutex>
 #include <sstream>
+#include <vector>
 
 namespace aloft::metrics {
 namespace {
@@ -53,7 +56,22 @@ struct Instruments::State {
                                      "Samples the bus dropped: malformed, or of another version or experiment");
   prometheus::Gauge& flights_total = gauge(registry, "aloft_flights_total", "Flights of the experiment");
   prometheus::Gauge& workers = gauge(registry, "aloft_workers_alive", "Workers the coordinator knows");
+  prometheus::Histogram& answer_seconds =
+      prometheus::BuildHistogram()
+          .Name("aloft_answer_seconds")
+          .Help("Time from the report of a step to the command that answers it, as the workers measure it")
+          .Register(registry)
+          .Add({}, prometheus::Histogram::BucketBoundaries(bus::answer_bounds_s.begin(), bus::answer_bounds_s.end()));
   std::array<prometheus::Counter*, rejections.size()> rejected{};
+
+  /// What a worker had told before.
+  struct Told {
+    std::uint64_t incarnation = 0;
+    bus::AnswerCounts counts{};
+    double seconds = 0.0;
+  };
+  std::mutex told_mutex;
+  std::map<std::string, Told, std::less<>> told;
 };
 
 Instruments::Instruments() : state_(std::make_unique<State>()) {
@@ -82,6 +100,20 @@ void Instruments::committed(double seconds) {
 }
 void Instruments::set_paused(bool paused) {
   state_->paused.Set(paused ? 1.0 : 0.0);
+}
+void Instruments::answered(std::string_view worker, std::uint64_t incarnation, const bus::AnswerCounts& counts,
+                           double seconds) {
+  const std::lock_guard lock(state_->told_mutex);
+  State::Told& told = state_->told[std::string(worker)];
+  if (told.incarnation != incarnation) told = {.incarnation = incarnation, .counts = {}, .seconds = 0.0};
+  std::vector<double> increments;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] < told.counts[i]) return;  // older than what is known
+    increments.push_back(static_cast<double>(counts[i] - told.counts[i]));
+  }
+  state_->answer_seconds.ObserveMultiple(increments, seconds - told.seconds);
+  told.counts = counts;
+  told.seconds = seconds;
 }
 void Instruments::set_samples_dropped(double total) {
   state_->dropped.Set(total);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "common/bus/answer_times.hpp"
 
 namespace aloft::metrics {
 
@@ -23,6 +26,8 @@ class Instruments {
   void rejected(Rejection reason);
   void committed(double seconds);
   void set_paused(bool paused);
+  /// What a worker has counted since it started: see WorkerStatus. `incarnation` tells one start from another.
+  void answered(std::string_view worker, std::uint64_t incarnation, const bus::AnswerCounts& counts, double seconds);
   /// Samples that the bus dropped so far: malformed, or of another version or experiment.
   void set_samples_dropped(double total);
   void set_progress(double flights_total, double workers_alive);

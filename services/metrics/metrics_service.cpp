@@ -108,7 +108,11 @@ class Conversation {
       if (const auto due = collector_.next_due(); due && *due <= Clock::now()) store_due(false);
     });
     memory_requests_.drain([this](const wire::MemoryRequest& request) { tell_memory(request); });
-    workers_.drain([this](const wire::WorkerStatus& status) { board_.on_worker(status); });
+    workers_.drain([this](const wire::WorkerStatus& status) {
+      board_.on_worker(status);
+      instruments_.answered(wire::view(status.worker()), status.incarnation(), status.answer_counts(),
+                            status.answer_s());
+    });
     runs_.drain([this](const wire::RunStatus& status) {
       board_.on_run(status);
       instruments_.set_progress(static_cast<double>(status.flights_total()), status.workers_alive());

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "common/bus/answer_times.hpp"
+
 namespace aloft::status {
 namespace {
 
@@ -128,6 +130,11 @@ Json RunView::to_json(const Worker& worker, Clock::time_point now) {
   for (const wire::LeaseFailure& failure : status.failures())
     failures.push_back(
         {{"lease", fmt::format("{:016x}", failure.lease_id())}, {"reason", wire::view(failure.reason())}});
+  // Both are null until a command came, and from 1 s on: JSON has no infinity.
+  const auto answer_ms = [&](double share) -> Json {
+    const double within_s = bus::answered_within_s(status.answer_counts(), share);
+    return std::isfinite(within_s) ? Json(std::round(within_s * 1e6) / 1e3) : Json();
+  };
   return {{"worker", wire::view(status.worker())},
           {"host", wire::view(status.host())},
           {"pid", status.pid()},
@@ -142,6 +149,8 @@ Json RunView::to_json(const Worker& worker, Clock::time_point now) {
           {"flights_per_s", rate(first.flights, last.flights)},
           {"steps_done", status.steps_done()},
           {"steps_per_s", rate(first.steps, last.steps)},
+          {"answer_p50_ms", answer_ms(0.5)},
+          {"answer_p99_ms", answer_ms(0.99)},
           {"records_unconfirmed", status.records_unconfirmed()},
           {"drops", status.drops()},
           {"missing", wire::view(status.missing())},

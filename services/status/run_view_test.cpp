@@ -21,6 +21,8 @@ wire::WorkerStatus worker_news(std::uint64_t flights, std::uint64_t steps) {
   news.leases({0xab, 0xcd});
   news.flights_done(flights);
   news.steps_done(steps);
+  news.answer_counts()[1] = 98;  // up to 50 us
+  news.answer_counts()[8] = 2;   // up to 10 ms
   wire::AgentNews agent;
   agent.agent("dqn");
   agent.type("dqn");
@@ -74,6 +76,8 @@ TEST_CASE("a run is told with the rates of its workers, the time left, and who f
   CHECK(worker["state"] == "alive");
   CHECK(worker["flights_per_s"] == 1.5);  // 6 in 4 s
   CHECK(worker["steps_per_s"] == 150.0);  // 600 in 4 s
+  CHECK(worker["answer_p50_ms"].get<double>() == Approx(0.05));
+  CHECK(worker["answer_p99_ms"] == 10.0);
   CHECK(worker["leases"] == nlohmann::json({"00000000000000ab", "00000000000000cd"}));
   CHECK(worker["agents"][0]["state"] == "flying");
   CHECK(worker["agents"][1]["state"] == "shadow");

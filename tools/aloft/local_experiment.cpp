@@ -6,6 +6,7 @@
 #include <csignal>
 #include <thread>
 
+#include "common/base/cores.hpp"
 #include "common/base/error.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/warnings.hpp"
@@ -49,7 +50,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
 
 }  // namespace
 
-FlyingOptions::FlyingOptions() : workers(std::max(1U, std::thread::hardware_concurrency())) {}
+FlyingOptions::FlyingOptions() : workers(usable_cores()) {}
 
 void FlyingOptions::add_to(CLI::App& command) {
   command

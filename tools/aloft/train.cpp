@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "common/agents/pretrained_model.hpp"
+#include "common/base/cores.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/experiment/text_file.hpp"
@@ -24,7 +25,7 @@ namespace {
 struct TrainOptions {
   std::filesystem::path config;
   std::filesystem::path out;
-  unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+  unsigned threads = usable_cores();
 };
 
 std::atomic<bool> interrupted = false;

@@ -1,5 +1,6 @@
 // Writers and readers over the real transport, each in its own participant.
 #include <idl/flightPubSubTypes.h>
+#include <idl/worldPubSubTypes.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -273,6 +274,32 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   CHECK_FALSE(reader.take(sample));
   CHECK(reader.drops().malformed >= 4);  // the middleware looks at a sample more than once
   CHECK(reader.drops().invalid == 2);
+}
+
+TEST_CASE("a malformed sample that claims to be huge gets no memory") {
+  wire::World world;
+  world.agents({wire::name("dqn")});
+  world.city().base_stations().resize(3);
+  wire::WorldPubSubType plain;
+  eprosima::fastrtps::rtps::SerializedPayload_t good(plain.getSerializedSizeProvider(&world)() + 64);
+  REQUIRE(plain.serialize(&world, &good));
+  bus::DropCounter drops("World");
+  bus::CheckedType<wire::WorldPubSubType> checked(drops);
+  wire::World sample;
+  REQUIRE(checked.deserialize(&good, &sample));
+  std::uint64_t refused = 0;
+  for (std::uint32_t at = 4; at + 4 <= good.length; at += 4)
+    for (const std::uint32_t length : {0xFFFFFFFFU, 0x10000000U, 0x01000000U}) {
+      eprosima::fastrtps::rtps::SerializedPayload_t bad(good.length);
+      bad.copy(&good);
+      std::memcpy(bad.data + at, &length, sizeof length);
+      wire::World spoilt;
+      refused += checked.deserialize(&bad, &spoilt) ? 0U : 1U;
+      CHECK(spoilt.agents().capacity() < 1000);
+      CHECK(spoilt.city().base_stations().capacity() < 1000);
+    }
+  CHECK(refused >= 9);  // the lengths of the three sequences that are not empty or not of numbers
+  CHECK(drops.drops().malformed == refused);
 }
 
 TEST_CASE("the future stays in the privileged partition, and workers do not hear each other") {

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/allocation_limit.hpp"
 #include "common/bus/neighbourhood.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/topics.hpp"
@@ -64,7 +65,10 @@ class CheckedType : public Generated {
   }
 
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    // No element takes so much more room in memory than on the wire.
+    constexpr std::size_t largest_growth = 128;
     try {
+      const AllocationLimit limit(4096 + largest_growth * payload->length);
       if (!Generated::deserialize(payload, data)) {
         drops_.malformed("not this type");
         return false;

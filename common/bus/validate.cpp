@@ -54,7 +54,9 @@ const char* city_error(const wire::City& city) noexcept {
   if (!within(city.window_m(), 1.0, max_distance_m)) return "city.window_m out of range";
   if (!height(city.base_station_height_m())) return "city.base_station_height_m out of range";
   if (!within(city.building_width_m(), 0.0, max_distance_m)) return "city.building_width_m out of range";
+  if (city.base_stations().empty()) return "city.base_stations is empty";
   if (city.base_stations().size() > max_base_stations) return "city.base_stations too long";
+  if ((city.buildings_x() == 0) != (city.buildings_y() == 0)) return "city.buildings_x or buildings_y is 0";
   if (city.building_height_m().size() > max_cells) return "city.building_height_m too long";
   if (std::uint64_t{city.buildings_x()} * city.buildings_y() != city.building_height_m().size())
     return "city.building_height_m is not buildings_x * buildings_y long";

@@ -288,6 +288,10 @@ std::set<FlightKey> ResultStore::keys() const {
   return keys;
 }
 
+void ResultStore::for_each_flight(const std::function<void(const FlightSummary&)>& visit) const {
+  state_->for_each_flight(visit);
+}
+
 std::vector<FlightSummary> ResultStore::flights() const {
   std::vector<FlightSummary> flights;
   state_->for_each_flight([&](FlightSummary flight) { flights.push_back(std::move(flight)); });

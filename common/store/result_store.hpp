@@ -68,6 +68,8 @@ class ResultStore {
   void batch(const std::function<void()>& work);
 
   [[nodiscard]] std::set<experiment::FlightKey> keys() const;
+  /// One after the other in canonical order, without holding them all. Throws as flights().
+  void for_each_flight(const std::function<void(const FlightSummary&)>& visit) const;
   /// Canonical order: condition, trial, then the experiment's order of agents. Throws IntegrityError if a row was
   /// altered.
   [[nodiscard]] std::vector<FlightSummary> flights() const;

@@ -1,5 +1,6 @@
 #include "services/channel/map_builder.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/convert.hpp"
@@ -10,9 +11,13 @@ namespace aloft::channel {
 namespace {
 
 std::unique_ptr<radio::SignalMap> make_map(const experiment::Experiment& experiment, const wire::World& world) {
+  const experiment::Condition& condition = experiment.conditions.at(world.condition());
+  if ((condition.kind == experiment::WorldKind::measured) != (world.kind() == wire::WORLD_MEASURED))
+    throw std::runtime_error("the world is not of the condition's kind");
   if (world.kind() == wire::WORLD_MEASURED) return radio::make_measured_map(bus::measured_flight(world));
-  return radio::make_generated_map(experiment.conditions.at(world.condition()).world, bus::city(world), experiment.seed,
-                                   world.trial());
+  if (std::cmp_less(world.city().base_stations().size(), condition.world.integer("min_base_stations")))
+    throw std::runtime_error("the city has fewer base stations than the condition asks for");
+  return radio::make_generated_map(condition.world, bus::city(world), experiment.seed, world.trial());
 }
 
 /// Computes all readings of a route that is known beforehand.

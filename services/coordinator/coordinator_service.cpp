@@ -143,7 +143,7 @@ class Conversation {
   void read_database(Visit&& visit) {
     open_database(database_, options_.results, experiment_, waiter_, stop_);
     if (!database_) return;
-    for (const auto& flight : database_->keys()) visit(flight);
+    database_->for_each_flight([&](const store::FlightSummary& flight) { visit(flight.key); });
   }
 
   void publish_status(Clock::time_point now) {

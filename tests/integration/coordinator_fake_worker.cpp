@@ -73,6 +73,7 @@ void FakeWorker::listen() {
   });
   std::erase_if(leases_,
                 [](const auto& lease) { return lease.second.to_fly.empty() && lease.second.unconfirmed.empty(); });
+  refused_.drain([this](const wire::RecordRefused& refused) { refusals_.emplace_back(wire::view(refused.reason())); });
   controls_.drain([this](const wire::RunControl& control) { run_state_ = control.state(); });
   runs_.drain([this](const wire::RunStatus& status) { run_message_ = wire::view(status.message()); });
 }

@@ -41,6 +41,9 @@ class FakeWorker {
   [[nodiscard]] const std::map<experiment::FlightKey, int>& flown() const { return flown_; }
   [[nodiscard]] std::size_t leases() const { return leases_.size(); }
   [[nodiscard]] std::size_t confirmations() const { return confirmations_; }
+  /// Why the collector refused records of this experiment.
+  [[nodiscard]] const std::vector<std::string>& refusals() const { return refusals_; }
+  [[nodiscard]] bool records_matched() const { return records_.matched() > 0; }
   [[nodiscard]] wire::RunState run_state() const { return run_state_; }
   [[nodiscard]] const std::string& run_message() const { return run_message_; }
 
@@ -63,6 +66,7 @@ class FakeWorker {
   bus::Writer<wire::EpisodeRecord> records_{participant_};
   bus::Reader<wire::TrialAssignment> assignments_{participant_};
   bus::Reader<wire::EpisodeStored> stored_{participant_};
+  bus::Reader<wire::RecordRefused> refused_{participant_};
   bus::Reader<wire::RunControl> controls_{participant_};
   bus::Reader<wire::RunStatus> runs_{participant_};
   std::map<std::uint64_t, Lease> leases_;
@@ -70,6 +74,7 @@ class FakeWorker {
   std::map<experiment::FlightKey, Clock::time_point> outbox_;
   std::vector<wire::LeaseFailure> failures_;
   std::map<experiment::FlightKey, int> flown_;
+  std::vector<std::string> refusals_;
   std::size_t confirmations_ = 0;
   std::uint64_t heartbeat_ = 0;
   std::uint64_t steps_ = 0;

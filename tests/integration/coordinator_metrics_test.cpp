@@ -4,12 +4,14 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <regex>
 #include <thread>
 
 #include "common/base/random.hpp"
+#include "tests/faults/effort.hpp"
 #include "tests/integration/command.hpp"
 #include "tests/integration/coordinator_fake_worker.hpp"
 
@@ -174,6 +176,37 @@ TEST_CASE("coordinator and collector are killed again and again: the same result
   run.check_results();
 }
 
+TEST_CASE("killed at any moment, coordinator and collector go on; at most one trial per worker is flown again",
+          "[coordinator][metrics]") {
+  const int moments = effort(4, 50);
+  for (const char* victim : {"aloft-coordinator", "aloft-metrics"})
+    for (int moment = 0; moment < moments; ++moment) {
+      const Run run;
+      std::map<std::string, std::unique_ptr<Command>> processes;
+      for (const char* program : {"aloft-metrics", "aloft-coordinator"}) processes[program] = run.start(program);
+      FakeWorker w0 = run.worker("w0");
+      FakeWorker w1 = run.worker("w1");
+      w0.behaviour.capacity = w1.behaviour.capacity = 1;
+      const auto kill_at = 1 + static_cast<int>(flights_total - 2) * moment / moments;
+      INFO(victim << " is killed after " << kill_at << " of " << flights_total << " flights");
+      bool killed = false;
+      pump_until({&w0, &w1}, [&] {
+        if (!killed && times_flown(w0) + times_flown(w1) >= kill_at) {
+          processes[victim]->send(SIGKILL);
+          (void)processes[victim]->wait();
+          processes[victim] = run.start(victim);
+          killed = true;
+        }
+        return !processes["aloft-coordinator"]->running() && !processes["aloft-metrics"]->running();
+      });
+      CHECK(killed);
+      for (const auto& [program, process] : processes) CHECK(process->wait().exit_code == 0);
+      constexpr int flights_per_trial = 3;
+      CHECK(times_flown(w0) + times_flown(w1) <= static_cast<int>(flights_total) + 2 * flights_per_trial);
+      run.check_results();
+    }
+}
+
 TEST_CASE("a silent worker's trials go to another; its late results do no harm", "[coordinator]") {
   const Run run;
   const auto metrics = run.start("aloft-metrics");
@@ -216,6 +249,19 @@ TEST_CASE("a trial that fails everywhere is reported after the rest is done", "[
     CHECK(coordinator->wait().exit_code == 1);
     CHECK(store::ResultStore::open_for_reading(run.results()).keys().size() < flights_total - 3);
   }
+}
+
+TEST_CASE("a record that can never be stored is answered with the reason", "[metrics]") {
+  const Run run;
+  const auto metrics = run.start("aloft-metrics");
+  FakeWorker worker = run.worker("w0");
+  pump_until({&worker}, [&] {
+    if (worker.records_matched()) worker.send({0, 0, "min-height"}, "rubbish", run.experiment.id);
+    return !worker.refusals().empty();
+  });
+  CHECK_THAT(worker.refusals().front(), Contains("agent 'min-height'") && Contains("trace"));
+  metrics->send(SIGINT);
+  CHECK(metrics->wait().exit_code == 130);
 }
 
 TEST_CASE("two different results of one flight stop the run loudly", "[coordinator][metrics]") {

@@ -1,0 +1,282 @@
+// Messages that no process of ours would send, into a running system: dropped and counted, and the run ends with the
+// same bytes as in one process.
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <idl/controlPubSubTypes.h>
+#include <idl/flightPubSubTypes.h>
+#include <idl/recordPubSubTypes.h>
+#include <idl/worldPubSubTypes.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <thread>
+
+#include "common/base/random.hpp"
+#include "common/store/result_store.hpp"
+#include "tests/faults/effort.hpp"
+#include "tests/faults/fault_scene.hpp"
+#include "tests/faults/rogue.hpp"
+
+using namespace aloft;
+using namespace aloft::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+/// A run with one worker and a stranger among its processes.
+class Pestered {
+ public:
+  Pestered() {
+    run_ = scene_.start("pestered", {"--workers", "1", "--run", name_});
+    scene_.wait_for_flights("pestered", *run_, 1);
+  }
+
+  /// Sends every kind of bad sample; `readers` are the processes that must have dropped them.
+  template <class T, class Generated>
+  void send(T sample, const std::vector<std::function<void(T&)>>& spoilers, const std::vector<std::string>& readers) {
+    Rogue<T, Generated> rogue(participant_);
+    const std::string topic(bus::topic_settings<T>().name);
+    INFO(topic);
+    REQUIRE(eventually(10s, [&] { return rogue.matched() >= static_cast<int>(readers.size()); }));
+    const auto told = [&](const std::string& reader, const char* kind) {
+      const std::string line = fmt::format("{}: dropped {} sample", topic, kind);
+      return scene_.log("pestered", reader).find(line) != std::string::npos;
+    };
+    // Readers of some topics keep only the latest sample: one kind after the other, and again until it was seen.
+    const auto send_until_told = [&](const char* kind, const std::function<void()>& write) {
+      const bool all_told = eventually(10s, [&] {
+        write();
+        std::this_thread::sleep_for(50ms);
+        return std::all_of(readers.begin(), readers.end(), [&](const auto& reader) { return told(reader, kind); });
+      });
+      INFO(kind);
+      CHECK(all_told);
+    };
+    T newer = sample;
+    newer.protocol_version(wire::PROTOCOL_VERSION + 1);
+    sample.protocol_version(wire::PROTOCOL_VERSION);
+    T other = newer;
+    if constexpr (requires { sample.experiment_id(); }) {
+      other = sample;
+      other.experiment_id(wire::experiment_id("0123456789abcdef"));
+      sample.experiment_id(wire::experiment_id(experiment_id_));
+    }
+    send_until_told("a foreign", [&] {
+      rogue.write(newer);
+      rogue.write(other);
+    });
+    send_until_told("an invalid", [&] {
+      for (const auto& spoil : spoilers) {
+        T bad = sample;
+        spoil(bad);
+        rogue.write(bad);
+      }
+    });
+    const std::vector<unsigned char> whole = Rogue<T, Generated>::bytes_of(newer);
+    std::vector<unsigned char> longer = whole;
+    longer.resize(whole.size() + 40);
+    const std::vector<std::vector<unsigned char>> malformed{
+        {0, 1, 0, 0},
+        {whole.begin(), whole.begin() + static_cast<long>(whole.size() / 2)},
+        std::vector<unsigned char>(300, 0xFF),
+        longer};
+    send_until_told("a malformed", [&] {
+      for (const auto& bytes : malformed) rogue.write_bytes(newer, bytes);
+    });
+  }
+
+  void check_finished() { scene_.check_finished("pestered", *run_, 120s); }
+
+  [[nodiscard]] bus::BusOptions place() const {
+    return {.run = name_, .worker = "w0", .process = "rogue", .domain = std::stoi(test_domain())};
+  }
+
+ private:
+  FaultScene scene_{200};  // long enough for all of it
+  std::string name_ = fmt::format("pestered-{}", getpid());
+  std::string experiment_id_ = store::ResultStore::open_for_reading(scene_.out("reference")).experiment().id;
+  bus::Participant participant_{place()};
+  std::unique_ptr<Command> run_;
+};
+
+/// Random bytes, and bytes that look like RTPS for a while.
+class Garbage {
+ public:
+  explicit Garbage(int domain) : first_port_(7400 + 250 * domain) {}
+  ~Garbage() { close(socket_); }
+  Garbage(const Garbage&) = delete;
+  Garbage& operator=(const Garbage&) = delete;
+
+  void send(int datagrams) {
+    constexpr int ports = 40;  // of both multicast sockets and of 14 processes
+    for (int i = 0; i < datagrams; ++i) {
+      std::vector<unsigned char> bytes(1 + random_.uniform_index(1400));
+      for (std::size_t at = 0; at < bytes.size(); at += 4) {
+        const std::uint32_t word = random_.next_u32();
+        std::memcpy(bytes.data() + at, &word, std::min<std::size_t>(4, bytes.size() - at));
+      }
+      if (i % 2 == 1) look_like_rtps(bytes);
+      sockaddr_in to{};
+      to.sin_family = AF_INET;
+      to.sin_port = htons(static_cast<std::uint16_t>(first_port_ + i % ports));
+      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      (void)sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    }
+  }
+
+ private:
+  /// A valid header, then submessages of known kinds with random content.
+  void look_like_rtps(std::vector<unsigned char>& bytes) {
+    constexpr std::array<unsigned char, 8> header{'R', 'T', 'P', 'S', 2, 2, 1, 15};
+    constexpr std::array<unsigned char, 12> kinds{0x01, 0x06, 0x07, 0x08, 0x09, 0x0c,
+                                                  0x0d, 0x0e, 0x0f, 0x12, 0x15, 0x16};
+    std::copy_n(header.begin(), std::min(header.size(), bytes.size()), bytes.begin());
+    for (std::size_t at = 20; at + 4 <= bytes.size();) {
+      const std::uint32_t length = random_.uniform_index(200);
+      bytes[at] = kinds.at(random_.uniform_index(kinds.size()));
+      bytes[at + 1] |= 1U;  // little endian
+      bytes[at + 2] = static_cast<unsigned char>(length);
+      bytes[at + 3] = 0;
+      at += 4 + length;
+    }
+  }
+
+  int socket_ = socket(AF_INET, SOCK_DGRAM, 0);
+  int first_port_;
+  RandomStream random_{17, 0, "garbage"};
+};
+
+}  // namespace
+
+TEST_CASE("bad samples on every topic are dropped and counted, and change nothing", "[messages]") {
+  using namespace wire;
+  Pestered run;
+  const std::string metrics = "aloft-metrics";
+  const std::string coordinator = "aloft-coordinator";
+  const std::string environment = "aloft-environment-w0";
+  const std::string channel = "aloft-channel-w0";
+  const std::string baseline = "aloft-baseline-agent-w0";
+  const std::string learner = "aloft-learning-agent-w0";
+
+  HeightCommand command;
+  command.stream(1000);  // nobody else's: of others, only the strongest writer is heard
+  command.step(1);
+  command.action(ACTION_UP);
+  run.send<HeightCommand, HeightCommandPubSubType>(
+      command,
+      {[](auto& s) { s.height_m(not_a_number); }, [](auto& s) { s.action(static_cast<Action>(99)); },
+       [](auto& s) { s.step(0); }},
+      {channel});
+  ChannelReport report;
+  report.height_step_m(10);
+  report.steps(20);
+  run.send<ChannelReport, ChannelReportPubSubType>(
+      report,
+      {[](auto& s) { s.qos(not_a_number); }, [](auto& s) { s.neighbour_sinr_db().resize(6); },
+       [](auto& s) { s.steps(1U << 31U); }},
+      {baseline, learner});
+  HeightProfile profile;
+  profile.step(1);
+  profile.resolution_m(1);
+  profile.qos({1, 2});
+  run.send<HeightProfile, HeightProfilePubSubType>(
+      profile, {[](auto& s) { s.qos({not_a_number}); }, [](auto& s) { s.qos().resize(4097); }}, {baseline});
+  AgentStatus agent;
+  agent.agent(name("dqn"));
+  run.send<AgentStatus, AgentStatusPubSubType>(
+      agent, {[](auto& s) { s.privilege(static_cast<Privilege>(9)); }, [](auto& s) { s.agent(name("")); }}, {channel});
+  FlightMemory flight_memory;
+  flight_memory.memory({1, 2, 3});
+  run.send<FlightMemory, FlightMemoryPubSubType>(
+      flight_memory, {[](auto& s) { s.memory().clear(); }, [](auto& s) { s.stream(5000); }}, {channel});
+  World world;
+  world.kind(WORLD_CITY);
+  world.city().window_m(1000);
+  world.city().base_stations().resize(10);
+  world.agents({name("dqn")});
+  run.send<World, WorldPubSubType>(
+      world,
+      {[](auto& s) { s.city().window_m(not_a_number); }, [](auto& s) { s.city().base_stations().clear(); },
+       [](auto& s) { s.city().buildings_x(7); }, [](auto& s) { s.kind(static_cast<WorldKind>(8)); }},
+      {channel});
+
+  RunControl control;
+  control.state(RUN_FINISHED);
+  run.send<RunControl, RunControlPubSubType>(control, {[](auto& s) { s.state(static_cast<RunState>(77)); }},
+                                             {metrics, environment, channel, baseline, learner});
+  TrialAssignment assignment;
+  assignment.worker(name("w0"));
+  assignment.agents({name("dqn")});
+  run.send<TrialAssignment, TrialAssignmentPubSubType>(
+      assignment, {[](auto& s) { s.agents().resize(65); }, [](auto& s) { s.cancelled(true); }}, {environment});
+  WorkerStatus worker;
+  worker.worker(name("stranger"));
+  run.send<WorkerStatus, WorkerStatusPubSubType>(
+      worker, {[](auto& s) { s.capacity(1U << 30U); }, [](auto& s) { s.leases().resize(65); }},
+      {coordinator, environment, metrics});
+  RunStatus status;
+  run.send<RunStatus, RunStatusPubSubType>(status, {[](auto& s) { s.flights_per_s(not_a_number); }}, {metrics});
+
+  EpisodeRecord record;
+  record.agent(name("dqn"));
+  record.trace({1, 2, 3});
+  run.send<EpisodeRecord, EpisodeRecordPubSubType>(
+      record, {[](auto& s) { s.trace().clear(); }, [](auto& s) { s.trace().resize(4194305); }}, {metrics});
+  EpisodeStored stored;
+  stored.digest(std::string(64, 'a'));
+  run.send<EpisodeStored, EpisodeStoredPubSubType>(stored, {[](auto& s) { s.digest("short"); }},
+                                                   {coordinator, channel});
+  RecordRefused refused;
+  refused.digest(std::string(64, 'a'));
+  run.send<RecordRefused, RecordRefusedPubSubType>(refused, {[](auto& s) { s.digest("short"); }}, {channel});
+  MemoryRequest request;
+  request.agent(name("lifelong"));
+  run.send<MemoryRequest, MemoryRequestPubSubType>(request, {[](auto& s) { s.agent(name("")); }}, {metrics});
+  StoredMemory memory;
+  memory.agent(name("lifelong"));
+  memory.memory({1});
+  run.send<StoredMemory, StoredMemoryPubSubType>(memory, {[](auto& s) { s.memory().clear(); }}, {learner});
+  CollectorStatus collector;
+  collector.state(COLLECTOR_FAILED);
+  run.send<CollectorStatus, CollectorStatusPubSubType>(
+      collector, {[](auto& s) { s.state(static_cast<CollectorState>(9)); }}, {coordinator});
+  run.check_finished();
+}
+
+TEST_CASE("100,000 garbage datagrams at the ports of every process", "[messages]") {
+  const FaultScene scene(effort(60, 200));
+  const std::string name = "garbage";
+  const auto run = scene.start(name, {"--workers", "2"});
+  scene.wait_for_flights(name, *run, scene.flights() / 8);
+  const std::vector<int> services = scene.services(name, *run);
+  const auto environments = [&](int signal) {
+    for (const int pid : services)
+      if (command_line(pid).find("aloft-environment") != std::string::npos) kill(pid, signal);
+  };
+  // Without worlds the run waits, and what grows now grows because of the garbage.
+  environments(SIGSTOP);
+  std::this_thread::sleep_for(500ms);
+  std::map<int, std::size_t> before;
+  for (const int pid : services) before[pid] = resident_bytes(pid);
+  Garbage(std::stoi(test_domain())).send(100'000);
+  std::this_thread::sleep_for(500ms);
+  for (const auto& [pid, bytes] : before) {
+    INFO(command_line(pid));
+    CHECK(bytes > 0);
+    CHECK(resident_bytes(pid) > 0);
+    CHECK(resident_bytes(pid) < bytes + (10U << 20U));
+  }
+  environments(SIGCONT);
+  scene.check_finished(name, *run, 120s);
+  CHECK(run->error_so_far().find("starting it again") == std::string::npos);
+}

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstring>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/bus/detail.hpp"
+#include "common/bus/topics.hpp"
+
+namespace aloft::test {
+
+/// Writes a topic without any of the checks of bus::Writer: what a faulty or foreign program could send.
+template <class T, class Generated>
+class Rogue {
+ public:
+  explicit Rogue(const bus::Participant& participant) {
+    namespace dds = eprosima::fastdds::dds;
+    const bus::TopicSettings& settings = bus::topic_settings<T>();
+    const std::string name(settings.name);
+    type_ = new Type;
+    const dds::TypeSupport support(type_);
+    dds::DomainParticipant* domain = participant.state()->participant;
+    support.register_type(domain);
+    dds::Topic* topic = domain->create_topic(name, support.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+    dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
+    if (settings.transient_local) qos.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+    qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+    qos.history().depth = 100;
+    qos.resource_limits().max_instances = 10;
+    qos.resource_limits().max_samples_per_instance = 100;
+    qos.resource_limits().max_samples = 1000;
+    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+    qos.data_sharing().off();
+    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 20'000'000};
+    if (settings.exclusive) {
+      qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
+      qos.ownership_strength().value = 0;
+      qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+      qos.liveliness().lease_duration = {0, 500'000'000};
+      qos.liveliness().announcement_period = {0, 100'000'000};
+    }
+    writer_ = topic == nullptr ? nullptr : participant.state()->publisher(settings.scope).create_datawriter(topic, qos);
+    if (writer_ == nullptr) throw std::runtime_error("no rogue writer of " + name);
+  }
+
+  void write(T sample) { writer_->write(&sample); }
+  /// These bytes in place of the sample.
+  void write_bytes(T key, std::vector<unsigned char> bytes) {
+    type_->instead = std::move(bytes);
+    write(std::move(key));
+    type_->instead.clear();
+  }
+  [[nodiscard]] static std::vector<unsigned char> bytes_of(T sample) {
+    Generated type;
+    eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(&sample)() + 64);
+    type.serialize(&sample, &payload);
+    return {payload.data, payload.data + payload.length};
+  }
+  [[nodiscard]] int matched() const {
+    eprosima::fastdds::dds::PublicationMatchedStatus status;
+    writer_->get_publication_matched_status(status);
+    return status.current_count;
+  }
+
+ private:
+  struct Type : Generated {
+    std::vector<unsigned char> instead;
+
+    Type() {
+      this->auto_fill_type_information(false);
+      this->auto_fill_type_object(false);
+    }
+    bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+      if (instead.empty()) return Generated::serialize(data, payload);
+      std::memcpy(payload->data, instead.data(), instead.size());
+      payload->length = static_cast<std::uint32_t>(instead.size());
+      return true;
+    }
+    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+      if (instead.empty()) return Generated::getSerializedSizeProvider(data);
+      return [this] { return static_cast<std::uint32_t>(instead.size()); };
+    }
+  };
+
+  Type* type_;  // owned by the middleware
+  eprosima::fastdds::dds::DataWriter* writer_;
+};
+
+}  // namespace aloft::test

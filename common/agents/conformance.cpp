@@ -69,6 +69,7 @@ class Kit {
     check_checkpoints();
     check_foreseeing();
     if (type_.privilege == Privilege::none) check_sees_only_reports();
+    if (type_.privilege == Privilege::none) check_comes_aboard_late();
     if (type_.privilege == Privilege::next_step) check_sees_one_step_ahead();
   }
 
@@ -134,6 +135,26 @@ class Kit {
     for (std::uint32_t point = 0; point < silent.qos().size(); ++point)
       for (std::uint32_t i = 0; i < levels; ++i) silent.set_qos(point, i, 0.0);
     fly_fresh(silent);
+  }
+
+  /// In the crew of a relay: the first report is one of mid-flight.
+  void check_comes_aboard_late() {
+    INFO("coming aboard in mid-flight");
+    for (const std::uint32_t first : {1U, options_.steps / 2, options_.steps - 1})
+      CHECK(fly_from(first) == fly_from(first));
+  }
+
+  Commands fly_from(std::uint32_t first) {
+    Flight flight(map_, seed, trial);
+    for (std::uint32_t step = 0; step < first; ++step) flight.step(fly_to_both_limits({}, step), "pilot");
+    const auto agent = spec_.make();
+    agent->begin(flight.info());
+    Commands commands;
+    while (true) {
+      commands.push_back(exchange(flight, *agent));
+      if (flight.finished()) return commands;
+      flight.step(command_, "agent");
+    }
   }
 
   void check_checkpoints() {

@@ -143,8 +143,9 @@ void Dqn::build_networks() {
 }
 
 void Dqn::observe(const Observation& observation) {
+  const bool flown = observation.step > 0 && !encoder_.empty();  // not if it came aboard with this very report
   encoder_.observe(observation);
-  if (observation.step > 0) {
+  if (flown) {
     remember(observation);
     if (replay_.size() >= minibatch_) train();
     epsilon_ = std::max(parameters_.number("epsilon_floor"), epsilon_ * parameters_.number("epsilon_decay"));

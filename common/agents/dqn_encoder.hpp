@@ -44,6 +44,8 @@ class DqnEncoder {
   [[nodiscard]] std::size_t inputs() const noexcept;
   /// Whether `history` steps lie behind the latest report, so that state() exists.
   [[nodiscard]] bool complete() const noexcept { return moments_.size() > settings_.history; }
+  /// No report of this flight yet.
+  [[nodiscard]] bool empty() const noexcept { return moments_.empty(); }
   [[nodiscard]] std::vector<float> state() const;
   /// Of the latest step.
   [[nodiscard]] float reward() const;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/agents/relay.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 
@@ -149,6 +150,14 @@ std::unique_ptr<Agent> AgentSpec::make() const {
   return agent_type(type).make(parameters);
 }
 
+Json AgentSpec::to_json() const {
+  Json entry = parameters.to_json();
+  entry["name"] = name;
+  entry["type"] = type;
+  if (!crew.empty()) entry["crew"] = crew_to_json(crew);
+  return entry;
+}
+
 std::uint32_t AgentSpec::lineages() const {
   const AgentType& facts = agent_type(type);
   return facts.lineages ? facts.lineages(parameters) : 0;
@@ -176,10 +185,12 @@ std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
         fmt::format("{}: an agent of type '{}' needs \"name\": the name under which the foreign program "
                     "sends its commands",
                     where, type->name));
+  std::vector<CrewMember> crew;
+  if (type->relay) crew = take_crew(object, name_given, where);
   std::vector<AgentSpec> specs;
   for (const Variant& variant : expand_lists(object, name, name_given, *type, where)) {
     check_name(variant.name, *type, where);
-    specs.push_back({variant.name, type->name, Parameters(type->parameters, variant.parameters, where)});
+    specs.push_back({variant.name, type->name, Parameters(type->parameters, variant.parameters, where), crew});
   }
   return specs;
 }

@@ -31,6 +31,7 @@ struct AgentType {
   /// If set, this parameter names a file that the agent reads, and "PARAMETER_sha256" what the file must hold; an
   /// experiment fills that in when it is resolved.
   std::string file_parameter{};
+  bool relay = false;            ///< a crew of other agents in one flight: every instance needs a name, and make throws
   std::string name_parameter{};  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
   std::vector<ParameterSpec> parameters{};
   std::function<std::unique_ptr<Agent>(const Parameters&)> make{};
@@ -48,18 +49,37 @@ bool register_agent(AgentType type);
 /// Throws InputError with the nearest valid name.
 [[nodiscard]] const AgentType& agent_type(std::string_view name);
 
+struct CrewMember;
+
 /// One agent of an experiment: its unique name, its type, its checked parameters.
 struct AgentSpec {
   std::string name;  ///< e.g. "constant-120"
   std::string type;  ///< e.g. "constant"
   Parameters parameters;
+  std::vector<CrewMember> crew{};  ///< of a relay, else empty: see relay.hpp
 
+  /// std::logic_error for a relay: make its members.
   [[nodiscard]] std::unique_ptr<Agent> make() const;
+  /// As an entry of an experiment file that gives back the same agent.
+  [[nodiscard]] nlohmann::json to_json() const;
   /// 0: every flight starts afresh. k: the agent that flies trial t starts with the memory (Agent::save_state) with
   /// which it ended trial t - k of the same condition: k independent chains of flights.
   [[nodiscard]] std::uint32_t lineages() const;
   /// The trial whose memory the agent starts with; none if it starts afresh.
   [[nodiscard]] std::optional<std::uint32_t> remembered_trial(std::uint32_t trial) const;
+};
+
+/// One of the agents that share the flights of a relay.
+struct CrewMember {
+  AgentSpec agent;
+  std::uint32_t from_step = 0;  ///< the first step that it flies; 0: it stands by
+  bool shadow = true;           ///< comes aboard before the first step and follows; else when it is its turn
+
+  /// The step whose report is the first that it sees if all goes as written; none if it never comes aboard.
+  [[nodiscard]] std::optional<std::uint32_t> boards_at() const noexcept {
+    if (shadow) return 0;
+    return from_step > 0 ? std::optional(from_step - 1) : std::nullopt;
+  }
 };
 
 /// From an experiment file's entry: "min-height", "constant-120", {"type": "dqn", "loss": "cross-entropy", "name":

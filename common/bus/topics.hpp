@@ -77,6 +77,9 @@ template <class T>
   X(World)                  \
   X(ChannelReport)          \
   X(HeightCommand)          \
+  X(ReportFollowed)         \
+  X(SwapRequest)            \
+  X(SwapReply)              \
   X(AgentStatus)            \
   X(HeightProfile)
 

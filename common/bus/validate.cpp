@@ -211,6 +211,20 @@ const char* validate(const wire::HeightCommand& sample) noexcept {
   return nullptr;
 }
 
+const char* validate(const wire::ReportFollowed& sample) noexcept {
+  if (sample.step() > max_steps) return "step out of range";
+  return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
+}
+
+const char* validate(const wire::SwapRequest& sample) noexcept {
+  if (sample.from_step() > max_steps) return "from_step out of range";
+  return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
+}
+
+const char* validate(const wire::SwapReply& sample) noexcept {
+  return sample.accepted() == wire::view(sample.message()).empty() ? nullptr : "a message says why not, and only then";
+}
+
 const char* validate(const wire::AgentStatus& sample) noexcept {
   if (!up_to(sample.privilege(), wire::PRIVILEGE_WHOLE_ROUTE)) return "unknown privilege";
   if (!up_to(sample.state(), wire::AGENT_STOPPED)) return "unknown state";

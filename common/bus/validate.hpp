@@ -20,6 +20,9 @@ namespace aloft::bus {
 [[nodiscard]] const char* validate(const wire::World& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::ChannelReport& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::HeightCommand& sample) noexcept;
+[[nodiscard]] const char* validate(const wire::ReportFollowed& sample) noexcept;
+[[nodiscard]] const char* validate(const wire::SwapRequest& sample) noexcept;
+[[nodiscard]] const char* validate(const wire::SwapReply& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::AgentStatus& sample) noexcept;
 [[nodiscard]] const char* validate(const wire::HeightProfile& sample) noexcept;
 

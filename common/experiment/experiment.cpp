@@ -14,6 +14,7 @@
 #include "common/experiment/file_keys.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/json_text.hpp"
+#include "common/experiment/relay_rules.hpp"
 #include "common/experiment/schema.hpp"
 #include "common/experiment/set_value.hpp"
 #include "common/experiment/text_file.hpp"
@@ -119,24 +120,29 @@ std::vector<agents::AgentSpec> chosen_agents(const std::vector<agents::AgentSpec
   return chosen;
 }
 
+void check_agent(agents::AgentSpec& spec, const FileAccess& files) {
+  const agents::AgentType& type = agents::agent_type(spec.type);
+  if (type.foreign) return;
+  const std::string& key = type.file_parameter;
+  if (!key.empty() && !spec.parameters.text(key).empty()) {
+    if (!files.always_read && !spec.parameters.text(key + "_sha256").empty()) return;
+    Json given = spec.parameters.to_json();
+    const std::filesystem::path file = locate(spec.parameters.text(key), files.folder);
+    given[key] = file.string();
+    if (spec.parameters.text(key + "_sha256").empty()) given[key + "_sha256"] = sha256_hex(read_text_file(file));
+    spec.parameters = Parameters(type.parameters, given, fmt::format("agent '{}'", spec.name));
+  }
+  (void)spec.make();
+}
+
 /// Makes one of each agent and throws it away: some parameters are only wrong together, and files are only read here.
 /// A file that an agent reads gets an absolute path, and the SHA-256 that counts in the experiment's id.
 void check_agents(std::vector<agents::AgentSpec>& specs, const FileAccess& files) {
   if (specs.size() > max_agents)
     throw InputError(fmt::format("agents: {} are too many; use at most {}", specs.size(), max_agents));
   for (agents::AgentSpec& spec : specs) {
-    const agents::AgentType& type = agents::agent_type(spec.type);
-    if (type.foreign) continue;
-    const std::string& key = type.file_parameter;
-    if (!key.empty() && !spec.parameters.text(key).empty()) {
-      if (!files.always_read && !spec.parameters.text(key + "_sha256").empty()) continue;
-      Json given = spec.parameters.to_json();
-      const std::filesystem::path file = locate(spec.parameters.text(key), files.folder);
-      given[key] = file.string();
-      if (spec.parameters.text(key + "_sha256").empty()) given[key + "_sha256"] = sha256_hex(read_text_file(file));
-      spec.parameters = Parameters(type.parameters, given, fmt::format("agent '{}'", spec.name));
-    }
-    (void)spec.make();
+    if (spec.crew.empty()) check_agent(spec, files);
+    for (agents::CrewMember& member : spec.crew) check_agent(member.agent, files);
   }
 }
 
@@ -157,12 +163,7 @@ Json canonical_form(const Experiment& experiment) {
   Json worlds = Json::array();
   for (const Condition& condition : experiment.conditions) worlds.push_back(canonical_world(condition));
   Json agent_list = Json::array();
-  for (const agents::AgentSpec& spec : experiment.agents) {
-    Json agent = spec.parameters.to_json();
-    agent["name"] = spec.name;
-    agent["type"] = spec.type;
-    agent_list.push_back(std::move(agent));
-  }
+  for (const agents::AgentSpec& spec : experiment.agents) agent_list.push_back(spec.to_json());
   return {{"name", experiment.name},
           {"description", experiment.description},
           {"seed", experiment.seed},
@@ -204,6 +205,7 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   check_agents(experiment.agents, files);
   experiment.conditions = expand_worlds(document, files);
   check_routes(experiment);
+  check_relays(experiment);
   // The checks above give the better messages, so they come first; the schema has the last word.
   if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
     throw InputError(fmt::format("{}", fmt::join(errors, "\n")));

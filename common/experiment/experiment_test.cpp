@@ -157,7 +157,7 @@ TEST_CASE("ids ignore what cannot change a result, and nothing else") {
   CHECK(parsed(R"("worlds": [{"name": "called otherwise"}])").id == base);
   const std::set<std::string> different{base,
                                         parsed(R"("world": {})", R"("seed": 2, )").id,
-                                        parsed(R"("world": {})", R"("on_agent_loss": "failover", )").id,
+                                        parsed(R"("world": {})", R"("max_attempts": 4, )").id,
                                         parsed(R"("world": {"bs_density_per_km2": 2.6})").id,
                                         parsed(R"("world": {})", R"("energy_weight": 0.1, )").id,
                                         parsed(R"("world": {})", R"("handover_cost": 2, )").id,

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
+#include "common/agents/relay.hpp"
 #include "common/experiment/conditions.hpp"
 #include "common/experiment/file_keys.hpp"
 #include "common/experiment/world_parameters.hpp"
@@ -52,6 +53,20 @@ Json any_world() {
           {"else", world_schema("generated", radio::generated_world_parameters())}};
 }
 
+Json any_crew() {
+  Json properties = schema_properties(agents::crew_parameters());
+  properties["agent"] = {{"$ref", "#/properties/agents/items"}};
+  return {{"type", "array"},
+          {"minItems", 2},
+          {"maxItems", agents::max_crew},
+          {"description", "Who shares the flights; the first flies from step 1."},
+          {"items",
+           {{"type", "object"},
+            {"required", Json::array({"agent"})},
+            {"properties", std::move(properties)},
+            {"additionalProperties", false}}}};
+}
+
 Json any_agent() {
   const Json name{{"type", "string"}, {"pattern", "^[a-z0-9.-]{1,64}$"}};
   Json rules = Json::array();
@@ -59,6 +74,7 @@ Json any_agent() {
     Json properties = sweepable(type.parameters);
     properties["type"] = true;
     properties["name"] = true;
+    if (type.relay) properties["crew"] = any_crew();
     rules.push_back({{"if", {{"properties", {{"type", {{"const", type.name}}}}}, {"required", Json::array({"type"})}}},
                      {"then",
                       {{"description", type.description},

@@ -124,11 +124,17 @@ struct ResultStore::State {
   }
 
   Stored add(const FlightKey& key, std::string_view trace, std::string_view memory);
+  [[nodiscard]] bool may_differ(const FlightKey& key) const;
   void store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const;
   [[nodiscard]] FlightSummary summary_at(SQLite::Statement& row) const;
   template <typename Visit>
   void for_each_flight(Visit&& visit) const;
 };
+
+/// A relay that goes on without whoever is lost cannot be flown again the same way; its first record counts.
+bool ResultStore::State::may_differ(const FlightKey& key) const {
+  return experiment.on_agent_loss == experiment::OnAgentLoss::failover && !experiment.agent(key.agent).crew.empty();
+}
 
 Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std::string_view memory) {
   const std::int64_t id = row_id(experiment, key);
@@ -143,7 +149,7 @@ Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std
   if (find_digest->executeStep()) {
     const std::string before = find_digest->getColumn(0).getString();
     find_digest->reset();
-    if (before == digest) return Stored::already_there;
+    if (before == digest || may_differ(key)) return Stored::already_there;
     throw IntegrityError(fmt::format(
         "condition {}, trial {}, agent '{}' was flown twice with different results (digests {} and {}); equal flights "
         "must be equal: are builds or machines mixed in this run?",

@@ -58,11 +58,11 @@ class ResultStore {
   /// The experiment whose results these are.
   [[nodiscard]] const experiment::Experiment& experiment() const noexcept;
 
-  /// Storing is idempotent; a second record of the same flight with another digest throws IntegrityError, as
-  /// does a trace that cannot be decoded or has no steps. `memory` (Agent::save_state after the flight) must be given
-  /// for agents that remember earlier flights and for no others (IntegrityError); it is stored together with the
-  /// flight. Durable (kill -9, power loss) once it returns, unless a batch is open. Throws StoreFull if the disk is
-  /// full. One thread at a time.
+  /// Storing is idempotent; a second record of the same flight with another digest throws IntegrityError (except of a
+  /// relay with failover, whose first record counts), as does a trace that cannot be decoded or has no steps. `memory`
+  /// (Agent::save_state after the flight) must be given for agents that remember earlier flights and for no others
+  /// (IntegrityError); it is stored together with the flight. Durable (kill -9, power loss) once it returns, unless a
+  /// batch is open. Throws StoreFull if the disk is full. One thread at a time.
   Stored add(const experiment::FlightKey& key, std::string_view encoded_trace, std::string_view memory = {});
   /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested.
   void batch(const std::function<void()>& work);

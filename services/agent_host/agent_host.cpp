@@ -15,6 +15,8 @@
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/experiment/warnings.hpp"
+#include "services/agent_host/crew_seat.hpp"
+#include "services/agent_host/liveliness_timer.hpp"
 #include "services/agent_host/pilot.hpp"
 #include "services/agent_host/thread_pool.hpp"
 #include "services/runtime/run_follower.hpp"
@@ -26,36 +28,6 @@ using Clock = std::chrono::steady_clock;
 using Verdict = Pilot::Verdict;
 
 constexpr std::chrono::milliseconds status_period{500};
-constexpr std::chrono::milliseconds liveliness_period{100};
-
-/// Proves that this process lives, also while an agent thinks for long.
-class LivelinessTimer {
- public:
-  explicit LivelinessTimer(bus::Writer<wire::HeightCommand>& commands)
-      : thread_([this, &commands] {
-          std::unique_lock lock(mutex_);
-          while (!ending_) {
-            commands.assert_liveliness();
-            changed_.wait_for(lock, liveliness_period);
-          }
-        }) {}
-  ~LivelinessTimer() {
-    {
-      const std::lock_guard lock(mutex_);
-      ending_ = true;
-    }
-    changed_.notify_all();
-    thread_.join();
-  }
-  LivelinessTimer(const LivelinessTimer&) = delete;
-  LivelinessTimer& operator=(const LivelinessTimer&) = delete;
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool ending_ = false;
-  std::thread thread_;
-};
 
 /// For agents that remember earlier flights.
 struct Memories {
@@ -66,11 +38,26 @@ struct Memories {
   bus::Writer<wire::FlightMemory> handed_over;
 };
 
+/// An agent that this process hosts, and whose flights it takes part in.
+struct Role {
+  const agents::AgentSpec* entry;              ///< of the experiment
+  const agents::AgentSpec* agent;              ///< the entry's own, or of its crew
+  const agents::CrewMember* member = nullptr;  ///< of the entry's crew
+};
+
+/// One agent at one stream.
+struct Seat {
+  const agents::AgentSpec* entry;
+  std::unique_ptr<CrewSeat> crew;  ///< null: it flies alone
+  Pilot pilot;
+};
+
 }  // namespace
 
 struct AgentHost::State {
   State(const bus::BusOptions& place, const AgentHostOptions& wanted, bus::StopSignal& stop_signal)
       : options(wanted), stop(stop_signal), participant(place), commands(participant, {.strength = wanted.strength}) {
+    liveliness.add(commands);
     waiter.add(follower.reader());
     waiter.add(reports);
     if (options.threads > 0) pool.emplace(options.threads);
@@ -97,21 +84,26 @@ struct AgentHost::State {
   void begin() {
     experiment = follower.experiment();
     reports.expect_experiment(experiment->id);
-    for (const agents::AgentSpec& spec : experiment->agents) serve(spec);
+    for (const agents::AgentSpec& spec : experiment->agents) {
+      if (spec.crew.empty()) serve({&spec, &spec});
+      for (const agents::CrewMember& member : spec.crew) serve({&spec, &member.agent, &member});
+    }
     for (const experiment::Warning& warning : experiment::warnings(*experiment))
-      if (std::any_of(served.begin(), served.end(), [&](const auto* spec) { return spec->name == warning.agent; }))
+      if (std::any_of(roles.begin(), roles.end(), [&](const Role& role) { return role.agent->name == warning.agent; }))
         spdlog::warn(warning.text);
     publish_status(wire::AGENT_READY);
   }
 
-  void serve(const agents::AgentSpec& spec) {
+  void serve(const Role& role) {
+    const agents::AgentSpec& spec = *role.agent;
     const agents::AgentType& type = agents::agent_type(spec.type);
     if (type.foreign || type.learns != options.learners) return;
     if (!options.agents.empty() &&
         std::find(options.agents.begin(), options.agents.end(), spec.name) == options.agents.end())
       return;
-    served.push_back(&spec);
-    spdlog::info("serves agent {}", spec.name);
+    roles.push_back(role);
+    spdlog::info("serves agent {}{}", spec.name, role.member == nullptr ? "" : " in the crew of " + role.entry->name);
+    if (role.member != nullptr && !followed) followed.emplace(participant);
     // Only a process that serves a privileged agent joins the partition where the future is told.
     if (type.privilege != agents::Privilege::none && !profiles) {
       profiles.emplace(participant);
@@ -124,15 +116,17 @@ struct AgentHost::State {
   }
 
   void on_report(const wire::ChannelReport& report) {
-    Pilot* pilot = pilot_of(report);
-    if (pilot == nullptr) return;
-    go_on(*pilot, pilot->offer(report));
-    ask_for_memory(*pilot);
+    for (const std::unique_ptr<Seat>& seat : seats_for(report)) {
+      if (seat->crew && !seat->crew->hear(report, seat->pilot)) continue;
+      go_on(*seat, seat->pilot.offer(report));
+      ask_for_memory(seat->pilot);
+    }
   }
 
   void on_memory(const wire::StoredMemory& memory) {
-    for (const auto& [stream, pilot] : pilots)
-      if (memory.agent() == pilot->spec().name && pilot->remember(memory)) resume(*pilot);
+    for (const auto& [stream, at_stream] : seats)
+      for (const std::unique_ptr<Seat>& seat : at_stream)
+        if (memory.agent() == seat->pilot.spec().name && seat->pilot.remember(memory)) resume(*seat);
   }
 
   /// Asked again with every repetition of the report that waits for it.
@@ -147,13 +141,15 @@ struct AgentHost::State {
   }
 
   void on_profile(const wire::HeightProfile& profile) {
-    const auto at = pilots.find(profile.stream());
-    if (at == pilots.end()) {
+    const auto at = seats.find(profile.stream());
+    if (at == seats.end()) {
       early_profiles(profile);
       return;
     }
-    at->second->foresee(profile);
-    resume(*at->second);
+    for (const std::unique_ptr<Seat>& seat : at->second) {
+      seat->pilot.foresee(profile);
+      resume(*seat);
+    }
   }
 
   /// Profiles may overtake the first report of a stream.
@@ -163,87 +159,131 @@ struct AgentHost::State {
     early.push_back(profile);
   }
 
-  Pilot* pilot_of(const wire::ChannelReport& report) {
-    const auto at = pilots.find(report.stream());
-    if (at != pilots.end() && report.agent() == at->second->spec().name) return at->second.get();
-    const auto spec = std::find_if(served.begin(), served.end(),
-                                   [&](const agents::AgentSpec* one) { return report.agent() == one->name; });
-    if (spec == served.end() || (at != pilots.end() && at->second->thinking())) return nullptr;
-    auto& pilot = pilots[report.stream()];
-    pilot = std::make_unique<Pilot>(**spec, report.stream());
+  using Seats = std::vector<std::unique_ptr<Seat>>;
+
+  /// Those of our agents that the report may concern.
+  const Seats& seats_for(const wire::ChannelReport& report) {
+    static const Seats nobody;
+    const auto& flown_by = report.relay() == "" ? report.agent() : report.relay();
+    const auto at = seats.find(report.stream());
+    if (at != seats.end() && flown_by == at->second.front()->entry->name) return at->second;
+    Seats taken;
+    for (const Role& role : roles)
+      if (flown_by == role.entry->name) taken.push_back(seat(role, report.stream()));
+    if (taken.empty() || (at != seats.end() && std::any_of(at->second.begin(), at->second.end(),
+                                                           [](const auto& seat) { return seat->pilot.thinking(); })))
+      return nobody;
     std::erase_if(early, [&](const wire::HeightProfile& profile) {
       if (profile.stream() != report.stream()) return false;
-      pilot->foresee(profile);
+      for (const std::unique_ptr<Seat>& seat : taken) seat->pilot.foresee(profile);
       return true;
     });
-    return pilot.get();
+    return seats[report.stream()] = std::move(taken);
   }
 
-  void resume(Pilot& pilot) {
-    while (!pilot.thinking()) {
-      const Verdict verdict = pilot.resume();
-      if (verdict == Verdict::nothing) return ask_for_memory(pilot);
-      go_on(pilot, verdict);
+  std::unique_ptr<Seat> seat(const Role& role, std::uint32_t stream) {
+    if (role.member == nullptr) return std::make_unique<Seat>(Seat{role.entry, nullptr, Pilot(*role.agent, stream)});
+    const bool stands_by = experiment->on_agent_loss == experiment::OnAgentLoss::failover;
+    auto crew =
+        std::make_unique<CrewSeat>(participant, liveliness, *role.entry, *role.member, stands_by, options.strength);
+    const Boarding boarding = crew->boarding();
+    return std::make_unique<Seat>(Seat{role.entry, std::move(crew), Pilot(*role.agent, stream, boarding)});
+  }
+
+  void resume(Seat& seat) {
+    while (!seat.pilot.thinking()) {
+      const Verdict verdict = seat.pilot.resume();
+      if (verdict == Verdict::nothing) return ask_for_memory(seat.pilot);
+      go_on(seat, verdict);
     }
   }
 
-  void go_on(Pilot& pilot, Verdict verdict) {
-    if (verdict != Verdict::think) return send(pilot, verdict);
+  void go_on(Seat& seat, Verdict verdict) {
+    if (verdict != Verdict::think) return send(seat, verdict);
     if (!pool) {
-      pilot.task().run();
-      finish(pilot);
+      seat.pilot.task().run();
+      finish(seat);
       return;
     }
-    pool->submit([this, &pilot] {
-      pilot.task().run();
+    pool->submit([this, &seat] {
+      seat.pilot.task().run();
       {
         const std::lock_guard lock(finished_mutex);
-        finished.push_back(&pilot);
+        finished.push_back(&seat);
       }
       waiter.wake();
     });
   }
 
-  void send(Pilot& pilot, Verdict verdict) {
-    if (verdict == Verdict::answer) commands.write(pilot.answer());
-    if (verdict == Verdict::hand_over) memories->handed_over.write(pilot.memory());
+  void send(Seat& seat, Verdict verdict) {
+    if (verdict == Verdict::answer && seat.crew)
+      answer(*seat.crew, seat.pilot.answer());
+    else if (verdict == Verdict::answer)
+      commands.write(seat.pilot.answer());
+    if (verdict == Verdict::hand_over) memories->handed_over.write(seat.pilot.memory());
+  }
+
+  /// As one of a crew.
+  void answer(CrewSeat& crew, wire::HeightCommand& command) {
+    const bool unknown = command.action() == wire::ACTION_UNKNOWN_FLIGHT;
+    if (crew.asked() || (crew.commands() && !unknown)) crew.command(command);
+    if (crew.asked()) return;
+    wire::ReportFollowed message;
+    message.stream(command.stream());
+    message.episode_id(command.episode_id());
+    message.attempt(command.attempt());
+    message.step(command.step() - 1);
+    message.agent(command.agent());
+    message.unknown_flight(unknown);
+    followed->write(message);
   }
 
   /// Height commands are written here and nowhere else: by the loop.
   void finish_thoughts() {
-    std::vector<Pilot*> done;
+    std::vector<Seat*> done;
     {
       const std::lock_guard lock(finished_mutex);
       done.swap(finished);
     }
-    for (Pilot* pilot : done) finish(*pilot);
+    for (Seat* seat : done) finish(*seat);
   }
 
-  void finish(Pilot& pilot) {
-    if (!pilot.task().error.empty())
-      spdlog::error("agent {}: {}; asks for the flight to start again", pilot.spec().name, pilot.task().error);
-    send(pilot, pilot.finish());
-    resume(pilot);
+  void finish(Seat& seat) {
+    if (!seat.pilot.task().error.empty())
+      spdlog::error("agent {}: {}; asks for the flight to start again", seat.pilot.spec().name,
+                    seat.pilot.task().error);
+    send(seat, seat.pilot.finish());
+    resume(seat);
   }
 
   void publish_status(wire::AgentState idle_state) {
-    for (const agents::AgentSpec* spec : served) {
-      const agents::AgentType& type = agents::agent_type(spec->type);
+    std::vector<std::string_view> told;
+    for (const Role& role : roles) {
+      if (std::find(told.begin(), told.end(), role.agent->name) != told.end()) continue;
+      told.push_back(role.agent->name);
       wire::AgentStatus status;
-      status.agent(wire::name(spec->name));
+      status.agent(wire::name(role.agent->name));
       status.process(wire::name(participant.options().process));
       status.experiment_id(wire::experiment_id(experiment->id));
-      status.type(wire::name(spec->type));
-      status.privilege(bus::to_wire(type.privilege));
+      status.type(wire::name(role.agent->type));
+      status.privilege(bus::to_wire(agents::agent_type(role.agent->type).privilege));
       status.pid(static_cast<std::uint32_t>(getpid()));
       status.state(idle_state);
-      for (const auto& [stream, pilot] : pilots) {
-        if (&pilot->spec() != spec) continue;
-        status.flights(status.flights() + pilot->flights());
-        if (idle_state == wire::AGENT_READY && pilot->flying()) status.state(wire::AGENT_FLYING);
-      }
+      count_flights(status);
       statuses.write(status);
     }
+  }
+
+  /// Adds up the flights of the agent; while it has some, it is not idle.
+  void count_flights(wire::AgentStatus& status) {
+    const bool serving = status.state() == wire::AGENT_READY;
+    for (const auto& [stream, at_stream] : seats)
+      for (const std::unique_ptr<Seat>& seat : at_stream) {
+        if (status.agent() != seat->pilot.spec().name) continue;
+        status.flights(status.flights() + seat->pilot.flights());
+        if (!serving || !seat->pilot.flying() || status.state() == wire::AGENT_FLYING) continue;
+        status.state(seat->crew && !seat->crew->asked() ? wire::AGENT_SHADOW : wire::AGENT_FLYING);
+      }
   }
 
   AgentHostOptions options;
@@ -255,16 +295,17 @@ struct AgentHost::State {
   bus::Reader<wire::ChannelReport> reports{participant};
   std::optional<bus::Reader<wire::HeightProfile>> profiles;
   std::optional<Memories> memories;
+  std::optional<bus::Writer<wire::ReportFollowed>> followed;
   bus::Waiter waiter{stop};
-  LivelinessTimer liveliness{commands};
+  LivelinessTimer liveliness;
 
   std::shared_ptr<const experiment::Experiment> experiment;
-  std::vector<const agents::AgentSpec*> served;
-  std::map<std::uint32_t, std::unique_ptr<Pilot>> pilots;  // by stream
+  std::vector<Role> roles;
+  std::map<std::uint32_t, Seats> seats;  // by stream
   std::vector<wire::HeightProfile> early;
 
   std::mutex finished_mutex;
-  std::vector<Pilot*> finished;
+  std::vector<Seat*> finished;
   std::optional<ThreadPool> pool;  // last: its threads use what stands above
 };
 

@@ -10,11 +10,6 @@ namespace {
 
 constexpr std::size_t max_kept = 8;
 
-/// Attempts are numbered in the order in which a channel starts flights; the numbers may wrap around.
-bool older(std::uint32_t a, std::uint32_t b) noexcept {
-  return static_cast<std::int32_t>(a - b) < 0;
-}
-
 }  // namespace
 
 void Task::run() noexcept try {
@@ -36,7 +31,8 @@ void Task::run() noexcept try {
   error = "unknown exception";
 }
 
-Pilot::Pilot(const agents::AgentSpec& spec, std::uint32_t stream) : spec_(spec), type_(agents::agent_type(spec.type)) {
+Pilot::Pilot(const agents::AgentSpec& spec, std::uint32_t stream, Boarding boarding)
+    : spec_(spec), type_(agents::agent_type(spec.type)), boarding_(boarding) {
   task_.spec = &spec;
   answer_.stream(stream);
   answer_.agent(wire::name(spec.name));
@@ -46,14 +42,15 @@ Pilot::Pilot(const agents::AgentSpec& spec, std::uint32_t stream) : spec_(spec),
 
 Pilot::Verdict Pilot::offer(const wire::ChannelReport& report) {
   if (known_ && older(report.attempt(), attempt_)) return Verdict::nothing;
-  const bool same = known_ && report.attempt() == attempt_ && report.episode_id() == episode_;
+  const bool same = aboard(report);
   if (thinking_) {
     if (!same) keep(report);
     return Verdict::nothing;
   }
   if (same && report.step() < expected_) return repeat(report);
-  const bool begins = !same && report.step() == 0;
-  if (!begins && (!same || report.step() > expected_)) return unknown(report);
+  const bool follows = same && report.step() == expected_;
+  const bool begins = !follows && boards_at(report.step());
+  if (!follows && !begins) return report.step() < boarding_.first_step ? Verdict::nothing : unknown(report);
   const bool remembers = !begins || memory_complete(report);
   if (!remembers || !profiles_complete(report)) {
     keep(report);
@@ -72,6 +69,10 @@ Pilot::Verdict Pilot::resume() {
     return verdict;
   }
   return Verdict::nothing;
+}
+
+bool Pilot::boards_at(std::uint32_t step) const noexcept {
+  return boarding_.late ? step >= boarding_.first_step : step == boarding_.first_step;
 }
 
 void Pilot::foresee(const wire::HeightProfile& message) {

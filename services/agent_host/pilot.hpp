@@ -12,6 +12,11 @@
 
 namespace aloft::agent_host {
 
+/// Attempts are numbered in the order in which a channel starts flights; the numbers may wrap around.
+[[nodiscard]] inline bool older(std::uint32_t a, std::uint32_t b) noexcept {
+  return static_cast<std::int32_t>(a - b) < 0;
+}
+
 /// What an agent has to think about next. Self-contained, so that it may run in another thread.
 struct Task {
   const agents::AgentSpec* spec = nullptr;
@@ -27,12 +32,18 @@ struct Task {
   void run() noexcept;
 };
 
+/// Which report an agent may begin a flight with.
+struct Boarding {
+  std::uint32_t first_step = 0;
+  bool late = false;  ///< or any later one, and again after it has missed some
+};
+
 /// One agent on one stream: which flight, which step, what was answered. Handles every report exactly once, however
 /// often it comes. No bus, no clock; from one thread.
 class Pilot {
  public:
   /// `spec` must outlive the pilot.
-  Pilot(const agents::AgentSpec& spec, std::uint32_t stream);
+  Pilot(const agents::AgentSpec& spec, std::uint32_t stream, Boarding boarding = {});
 
   enum class Verdict : std::uint8_t {
     nothing,    ///< stale, a repetition of what is being thought about, or a profile is still missing
@@ -66,12 +77,17 @@ class Pilot {
   [[nodiscard]] wire::HeightCommand& answer() noexcept { return answer_; }
   [[nodiscard]] wire::FlightMemory& memory() noexcept { return handed_over_; }
   [[nodiscard]] bool thinking() const noexcept { return thinking_; }
+  /// Whether the agent knows the flight of this report.
+  [[nodiscard]] bool aboard(const wire::ChannelReport& report) const {
+    return known_ && report.attempt() == attempt_ && report.episode_id() == episode_;
+  }
   [[nodiscard]] bool flying() const noexcept { return flying_; }
   /// Flights seen to their end.
   [[nodiscard]] std::uint64_t flights() const noexcept { return flights_; }
   [[nodiscard]] const agents::AgentSpec& spec() const noexcept { return spec_; }
 
  private:
+  [[nodiscard]] bool boards_at(std::uint32_t step) const noexcept;
   [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
   bool memory_complete(const wire::ChannelReport& report);
   [[nodiscard]] Verdict repeat(const wire::ChannelReport& report) const;
@@ -82,6 +98,7 @@ class Pilot {
 
   const agents::AgentSpec& spec_;
   const agents::AgentType& type_;
+  Boarding boarding_;
   Task task_;
   wire::HeightCommand answer_;
   wire::FlightMemory handed_over_;         // after the latest flight, if it is over

@@ -114,6 +114,37 @@ TEST_CASE("a flight of which the agent missed a report is unknown to it") {
   CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
 }
 
+TEST_CASE("a crew member comes aboard with the report of its step, and with no other") {
+  const agents::AgentSpec agent = spec("constant-60");
+  Pilot pilot(agent, 7, {.first_step = 2});
+  CHECK(pilot.offer(report(1, 0, 5)) == Verdict::nothing);
+  CHECK_FALSE(pilot.aboard(report(1, 2, 5)));
+  REQUIRE(pilot.offer(report(1, 2, 5)) == Verdict::think);
+  think(pilot);
+  CHECK(pilot.answer().step() == 3);
+  CHECK(pilot.aboard(report(1, 3, 5)));
+  REQUIRE(pilot.offer(report(1, 3, 5)) == Verdict::think);
+  think(pilot);
+  REQUIRE(pilot.offer(report(2, 3, 5)) == Verdict::answer);  // it was restarted: step 2 is missing
+  CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
+}
+
+TEST_CASE("where the flight depends on nobody, a crew member comes aboard at any step, and again after a gap") {
+  const agents::AgentSpec agent = spec("constant-60");
+  Pilot pilot(agent, 7, {.first_step = 0, .late = true});
+  REQUIRE(pilot.offer(report(1, 3, 9)) == Verdict::think);
+  think(pilot);
+  CHECK(pilot.answer().step() == 4);
+  REQUIRE(pilot.offer(report(1, 4, 9)) == Verdict::think);
+  CHECK_FALSE(pilot.task().begins);
+  think(pilot);
+  REQUIRE(pilot.offer(report(1, 7, 9)) == Verdict::think);
+  CHECK(pilot.task().begins);
+  think(pilot);
+  CHECK(pilot.answer().action() == wire::ACTION_UP);
+  CHECK(pilot.offer(report(1, 6, 9)) == Verdict::nothing);
+}
+
 TEST_CASE("a new attempt starts afresh, and what comes late from the old one is ignored") {
   const agents::AgentSpec agent = spec("min-height");
   Pilot pilot(agent, 7);

@@ -20,6 +20,7 @@
 #include "services/channel/episode.hpp"
 #include "services/channel/map_builder.hpp"
 #include "services/channel/outbox.hpp"
+#include "services/channel/swap_desk.hpp"
 #include "services/channel/trials.hpp"
 #include "services/runtime/run_follower.hpp"
 
@@ -60,6 +61,8 @@ struct Channel::State {
     waiter.add(worlds);
     waiter.add(commands);
     waiter.add(memories);
+    waiter.add(followed);
+    waiter.add(swap_requests);
     waiter.add(agent_statuses);
     waiter.add(stored);
     waiter.add(refused);
@@ -75,7 +78,9 @@ struct Channel::State {
       if (follower.update()) begin();
       if (!experiment) continue;
       commands.drain([this](const wire::HeightCommand& command) { on_command(command); });
+      followed.drain([this](const wire::ReportFollowed& message) { on_followed(message); });
       memories.drain([this](const wire::FlightMemory& memory) { on_memory(memory); });
+      swap_requests.drain([this](const wire::SwapRequest& request) { on_swap(request); });
       stored.drain([this](const wire::EpisodeStored& message) { on_stored(message); });
       refused.drain([this](const wire::RecordRefused& message) { on_refused(message); });
       worlds.drain([this](const wire::World& world) { on_world(world); });
@@ -108,10 +113,13 @@ struct Channel::State {
       if (!episode) continue;
       if (episode->silence(now) > answer_limit)
         fail(lease_of(*episode),
-             fmt::format("agent {} did not answer for {} s", episode->agent().name, answer_limit.count()));
+             fmt::format("agent {} did not answer for {} s", episode->awaited(), answer_limit.count()));
+      else if (const auto outcome = episode->wait_no_longer(now); outcome != Episode::Outcome::ignored)
+        go_on(*episode, outcome, seconds(episode->silence(now)));
       else if (episode->repeat_due(now))
         ask(*episode);
     }
+    if (swaps.recount(episodes)) swap_replies.write(swaps.reply());
     outbox.send_due(now, [this](wire::EpisodeRecord& record) { records.write(record); });
     tell_missing();
   }
@@ -165,7 +173,25 @@ struct Channel::State {
     Episode& episode = *episodes[command.stream()];
     const auto heard = Clock::now();
     const double answer_s = seconds(episode.silence(heard));
-    switch (episode.accept(command, heard)) {
+    const agents::AgentSpec& asked = episode.pilot();
+    const Episode::Outcome outcome = episode.accept(command, heard);
+    if (command.agent() != asked.name &&
+        (outcome != Episode::Outcome::ignored || command.agent() == episode.pilot().name))
+      spdlog::warn("agent {} is lost in condition {}, trial {}; {} takes over at step {}", asked.name,
+                   episode.address().condition, episode.address().trial, wire::view(command.agent()), command.step());
+    go_on(episode, outcome, answer_s);
+  }
+
+  void on_followed(const wire::ReportFollowed& message) {
+    if (message.stream() >= episodes.size() || !episodes[message.stream()]) return;
+    Episode& episode = *episodes[message.stream()];
+    const double answer_s = seconds(episode.silence(now));
+    go_on(episode, episode.accept(message, now), answer_s);
+  }
+
+  /// `answer_s`: since the report that the command answers.
+  void go_on(Episode& episode, Episode::Outcome outcome, double answer_s) {
+    switch (outcome) {
       case Episode::Outcome::ignored:
         return;
       case Episode::Outcome::stepped:
@@ -177,16 +203,29 @@ struct Channel::State {
         return land(episode);
       case Episode::Outcome::lost:
         return start_again(episode);
+      case Episode::Outcome::passed_on:
+        spdlog::warn("agent {} flies on in condition {}, trial {}, because another one could not", episode.pilot().name,
+                     episode.address().condition, episode.address().trial);
+        return ask(episode);
       case Episode::Outcome::forbidden:
-        return fail(lease_of(episode), fmt::format("agent {} may not jump to a height", episode.agent().name));
+        return fail(lease_of(episode), fmt::format("agent {} may not jump to a height", episode.pilot().name));
     }
   }
 
-  /// `answer_s`: since the report that the command answers.
   void count_step(double answer_s) {
     ++steps_done;
     ++answer_counts[bus::answer_bucket(answer_s)];
     all_answers_s += answer_s;
+  }
+
+  void on_swap(const wire::SwapRequest& request) {
+    const bool repeated = request.request_id() == swaps.reply().request_id();
+    for (Episode* episode : swaps.handle(request, *experiment, agents, episodes, now)) ask(*episode);
+    swap_replies.write(swaps.reply());
+    if (!repeated && swaps.reply().accepted())
+      spdlog::info("agent {} flies from step {} on, as asked", wire::view(request.agent()), request.from_step());
+    else if (!repeated)
+      spdlog::warn("refuses a swap: {}", wire::view(swaps.reply().message()));
   }
 
   void on_memory(const wire::FlightMemory& memory) {
@@ -217,30 +256,32 @@ struct Channel::State {
       if (!trial.map || trial.waiting.empty()) continue;
       if (trial.lane < 0 && !trials.take_lane(trial)) continue;
       std::erase_if(trial.waiting, [&](const std::string& name) {
-        const AgentDirectory::Entry* agent = agents.find(name);
-        if (agent == nullptr) return false;
-        start(trial, name, agent->privilege);
+        const agents::AgentSpec& spec = experiment->agents[agent_index(name)];
+        if (const auto names = absent(spec); !names.empty() && !can_spare(spec, names)) return false;
+        start(trial, spec);
         return true;
       });
     }
   }
 
-  void start(Trial& trial, const std::string& name, wire::Privilege declared) {
-    const std::size_t index = agent_index(name);
-    const agents::AgentSpec& spec = experiment->agents[index];
+  void start(Trial& trial, const agents::AgentSpec& spec) {
+    const auto index = static_cast<std::size_t>(&spec - experiment->agents.data());
     const agents::AgentType& type = agents::agent_type(spec.type);
     EpisodeAddress address;
     address.experiment_id = experiment->id;
-    address.episode_id = experiment::episode_id(*experiment, {trial.condition, trial.trial, name});
+    address.episode_id = experiment::episode_id(*experiment, {trial.condition, trial.trial, spec.name});
     address.attempt = ++last_attempt;
     address.stream = static_cast<std::uint32_t>(index) * trials.lanes() + static_cast<std::uint32_t>(trial.lane);
     address.condition = trial.condition;
     address.trial = trial.trial;
     // Our own agents see what their type declares; only a foreign program may say so itself.
-    const agents::Privilege privilege = type.foreign ? bus::from_wire(declared) : type.privilege;
+    const agents::Privilege privilege =
+        type.foreign ? bus::from_wire(agents.find(spec.name)->privilege) : type.privilege;
     auto& episode = episodes[address.stream];
     episode = std::make_unique<Episode>(address, spec, privilege, *trial.map, experiment->seed,
-                                        experiment->costs_in(experiment->conditions.at(trial.condition)), now);
+                                        experiment->costs_in(experiment->conditions.at(trial.condition)), now,
+                                        experiment->on_agent_loss == experiment::OnAgentLoss::failover);
+    swaps.brief(*episode, now);
     leases[address.stream] = trial.lease_id;
     ++trial.in_the_air;
     ask(*episode);
@@ -250,7 +291,7 @@ struct Channel::State {
     try {
       episode.ask(senders, now);
     } catch (const std::exception& error) {
-      fail(lease_of(episode), fmt::format("agent {}: {}", episode.agent().name, error.what()));
+      fail(lease_of(episode), fmt::format("agent {}: {}", episode.pilot().name, error.what()));
     }
   }
 
@@ -365,7 +406,7 @@ struct Channel::State {
     std::map<std::string, Clock::duration> silent;
     for (const std::unique_ptr<Episode>& episode : episodes)
       if (episode && episode->silence(now) > missing_after)
-        silent[episode->agent().name] = std::max(silent[episode->agent().name], episode->silence(now));
+        silent[episode->awaited()] = std::max(silent[episode->awaited()], episode->silence(now));
     for (const auto& [name, silence] : silent)
       peers.push_back(fmt::format("agent {} (no command for {:.0f} s)", name, seconds(silence)));
     for (const std::string& name : absent_agents()) peers.push_back(fmt::format("agent {} (not there)", name));
@@ -385,14 +426,35 @@ struct Channel::State {
     std::vector<std::string> names;
     for (const Trial& trial : trials.all())
       if (trial.lane >= 0)
-        for (const std::string& name : trial.waiting)
-          if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+        for (const std::string& waiting : trial.waiting)
+          for (const std::string& name : absent(experiment->agents[agent_index(waiting)]))
+            if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     std::erase_if(absent_since,
                   [&](const auto& entry) { return std::find(names.begin(), names.end(), entry.first) == names.end(); });
     std::erase_if(names, [&](const std::string& name) {
       return now - absent_since.try_emplace(name, now).first->second <= missing_after;
     });
     return names;
+  }
+
+  /// Of the agents that this flight needs, those that are not there.
+  [[nodiscard]] std::vector<std::string> absent(const agents::AgentSpec& spec) const {
+    std::vector<std::string> names;
+    const auto look_for = [&](const std::string& name) {
+      if (agents.find(name) == nullptr) names.push_back(name);
+    };
+    if (spec.crew.empty()) look_for(spec.name);
+    for (const agents::CrewMember& member : spec.crew) look_for(member.agent.name);
+    return names;
+  }
+
+  /// Whether a relay has waited long enough for some of its crew, and may fly with the others.
+  [[nodiscard]] bool can_spare(const agents::AgentSpec& spec, const std::vector<std::string>& names) const {
+    return experiment->on_agent_loss == experiment::OnAgentLoss::failover && names.size() < spec.crew.size() &&
+           std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+             const auto since = absent_since.find(name);
+             return since != absent_since.end() && now - since->second > missing_after;
+           });
   }
 
   [[nodiscard]] std::size_t agent_index(std::string_view name) const {
@@ -409,12 +471,15 @@ struct Channel::State {
   runtime::RunFollower follower{participant};
   bus::Reader<wire::World> worlds{participant};
   bus::Reader<wire::HeightCommand> commands{participant};
+  bus::Reader<wire::ReportFollowed> followed{participant};
   bus::Reader<wire::FlightMemory> memories{participant};
+  bus::Reader<wire::SwapRequest> swap_requests{participant};
   bus::Reader<wire::AgentStatus> agent_statuses{participant};
   bus::Reader<wire::EpisodeStored> stored{participant};
   bus::Reader<wire::RecordRefused> refused{participant};
   bus::Writer<wire::ChannelReport> reports{participant};
   bus::Writer<wire::HeightProfile> profiles{participant};
+  bus::Writer<wire::SwapReply> swap_replies{participant};
   bus::Writer<wire::EpisodeRecord> records{participant};
   bus::Writer<wire::WorkerStatus> statuses{participant};
   bus::Waiter waiter;
@@ -429,6 +494,7 @@ struct Channel::State {
   std::map<std::uint64_t, std::uint32_t> lost_histories;
   AgentDirectory agents;
   Outbox outbox;
+  SwapDesk swaps;
 
   Clock::time_point now;
   bool changed = false;

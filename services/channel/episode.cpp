@@ -1,5 +1,8 @@
 #include "services/channel/episode.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "common/bus/convert.hpp"
@@ -10,22 +13,29 @@ namespace {
 // The first report may be sent before both sides have found each other; later ones are only lost with a process.
 constexpr std::chrono::milliseconds first_patience{100};
 constexpr std::chrono::milliseconds patience{1000};
+// In a relay, those who stand by speak when the question comes again; and the first command of a new pilot may come
+// before its writer is known to be the strongest.
+constexpr std::chrono::milliseconds relay_patience{100};
+constexpr std::chrono::milliseconds relay_patience_limit{200};
+constexpr std::chrono::milliseconds swap_patience{20};
 
 }  // namespace
 
 Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, agents::Privilege privilege,
-                 radio::SignalMap& map, std::uint64_t seed, const flight::Costs& costs, Clock::time_point now)
+                 radio::SignalMap& map, std::uint64_t seed, const flight::Costs& costs, Clock::time_point now,
+                 bool failover)
     : address_(address),
       agent_(agent),
       privilege_(privilege),
-      unconstrained_(agents::agent_type(agent.type).unconstrained),
       remembers_(agent.lineages() > 0),
+      crew_(agent.crew.empty() ? nullptr : std::make_unique<Crew>(agent, failover, now)),
       flight_(map, seed, address.trial, costs),
       silent_since_(now),
       patience_(first_patience) {
   report_.stream(address_.stream);
   report_.experiment_id(wire::experiment_id(address_.experiment_id));
-  report_.agent(wire::name(agent_.name));
+  report_.agent(wire::name(pilot().name));
+  if (crew_) report_.relay(wire::name(agent_.name));
   report_.executed_by(wire::name(""));
   report_.episode_id(address_.episode_id);
   report_.attempt(address_.attempt);
@@ -39,24 +49,88 @@ Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, 
   bus::put(report_, flight_.observation());
 }
 
+bool Episode::may_command(const wire::HeightCommand& message, Clock::time_point now) {
+  if (!crew_) return message.agent() == agent_.name;
+  if (held_ || !crew_->takes(wire::view(message.agent()), now)) return false;
+  if (report_.agent() != message.agent()) address_pilot(patience_);
+  return true;
+}
+
 Episode::Outcome Episode::accept(const wire::HeightCommand& message, Clock::time_point now) {
-  if (message.episode_id() != address_.episode_id || message.attempt() != address_.attempt ||
-      message.step() != flight_.observation().step + 1 || message.agent() != agent_.name)
+  if (!concerns(message.episode_id(), message.attempt()) || message.step() != flight_.observation().step + 1 ||
+      !may_command(message, now))
     return Outcome::ignored;
   if (flight_.finished() && !remembers_) return Outcome::ignored;
-  if (message.action() == wire::ACTION_UNKNOWN_FLIGHT) return Outcome::lost;
+  if (message.action() == wire::ACTION_UNKNOWN_FLIGHT) {
+    if (!crew_ || !crew_->pass_on(now)) return Outcome::lost;
+    address_pilot(swap_patience);
+    return Outcome::passed_on;
+  }
   if (flight_.finished()) return Outcome::ignored;
-  if (message.action() == wire::ACTION_ABSOLUTE && !unconstrained_) return Outcome::forbidden;
-  flight_.step(bus::command(message), agent_.name);
+  if (message.action() == wire::ACTION_ABSOLUTE && !agents::agent_type(pilot().type).unconstrained)
+    return Outcome::forbidden;
+  if (crew_ && !crew_->all_followed()) {
+    held_ = message;
+    return Outcome::ignored;
+  }
+  return execute(message, now);
+}
+
+Episode::Outcome Episode::execute(const wire::HeightCommand& message, Clock::time_point now) {
+  flight_.step(bus::command(message), pilot().name);
   silent_since_ = now;
   patience_ = patience;
   describe();
+  if (crew_) {
+    crew_->executed();
+    if (!flight_.finished())
+      address_pilot(crew_->begin_step(flight_.observation().step + 1, now) ? swap_patience : relay_patience);
+  }
   return flight_.finished() && !remembers_ ? Outcome::finished : Outcome::stepped;
 }
 
+Episode::Outcome Episode::accept(const wire::ReportFollowed& message, Clock::time_point now) {
+  if (!crew_ || !concerns(message.episode_id(), message.attempt()) || message.step() != flight_.observation().step ||
+      flight_.finished())
+    return Outcome::ignored;
+  if (message.unknown_flight()) return crew_->failover() ? Outcome::ignored : Outcome::lost;
+  crew_->followed(wire::view(message.agent()));
+  return execute_held(now);
+}
+
+Episode::Outcome Episode::wait_no_longer(Clock::time_point now) {
+  if (!held_) return Outcome::ignored;
+  crew_->leave_behind(now);
+  return execute_held(now);
+}
+
+Episode::Outcome Episode::execute_held(Clock::time_point now) {
+  if (!held_ || !crew_->all_followed()) return Outcome::ignored;
+  const wire::HeightCommand command = *held_;
+  held_.reset();
+  return execute(command, now);
+}
+
+bool Episode::order(const SwapOrder& order, Clock::time_point now) {
+  if (!crew_ || flight_.finished() || !crew_->order(order, flight_.observation().step + 1, now)) return false;
+  held_.reset();
+  address_pilot(swap_patience);
+  return true;
+}
+
+void Episode::address_pilot(Clock::duration patience) {
+  report_.agent(wire::name(pilot().name));
+  patience_ = patience;
+}
+
+std::string Episode::awaited() const {
+  if (!crew_ || !held_) return pilot().name;
+  return fmt::format("{}", fmt::join(crew_->behind(), ", "));
+}
+
 Episode::Outcome Episode::accept(const wire::FlightMemory& message) {
-  if (message.episode_id() != address_.episode_id || message.attempt() != address_.attempt ||
-      message.agent() != agent_.name || !flight_.finished() || !remembers_)
+  if (!concerns(message.episode_id(), message.attempt()) || message.agent() != agent_.name || !flight_.finished() ||
+      !remembers_)
     return Outcome::ignored;
   memory_ = message.memory();
   return Outcome::finished;
@@ -72,7 +146,7 @@ void Episode::describe() {
 
 void Episode::ask(const Senders& send, Clock::time_point now) {
   repeat_at_ = now + patience_;
-  patience_ = std::min<Clock::duration>(2 * patience_, patience);
+  patience_ = std::min<Clock::duration>(2 * patience_, crew_ ? relay_patience_limit : patience);
   flight::foresee(flight_, privilege_, profile_buffer_, [&](const agents::HeightProfile& profile) {
     bus::put(profile_, profile);
     send.profile(profile_);

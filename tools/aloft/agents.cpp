@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
+#include "common/agents/relay.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -45,6 +46,15 @@ std::string range_of(const nlohmann::json& property) {
   return property.value("type", "");
 }
 
+void print_table(std::span<const ParameterSpec> table) {
+  const nlohmann::json properties = schema_properties(table);
+  for (const ParameterSpec& spec : table) {
+    const nlohmann::json& property = properties[spec.name];
+    fmt::print("    {:<26} {:<14} {:<24} {}\n", spec.name, property["default"].dump(), range_of(property),
+               spec.description);
+  }
+}
+
 void print_text(const AgentType& type) {
   std::string marks = type.learns ? "  [learns]" : "";
   if (type.privilege != Privilege::none)
@@ -58,12 +68,10 @@ void print_text(const AgentType& type) {
   const nlohmann::json provenance = type.provenance ? type.provenance() : nlohmann::json::object();
   for (const auto& [key, value] : provenance.items())
     fmt::print("    {}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-  const nlohmann::json properties = schema_properties(type.parameters);
-  for (const ParameterSpec& spec : type.parameters) {
-    const nlohmann::json& property = properties[spec.name];
-    fmt::print("    {:<26} {:<14} {:<24} {}\n", spec.name, property["default"].dump(), range_of(property),
-               spec.description);
-  }
+  print_table(type.parameters);
+  if (!type.relay) return;
+  fmt::print("    Each member of \"crew\" has an \"agent\" and\n");
+  print_table(agents::crew_parameters());
 }
 
 }  // namespace

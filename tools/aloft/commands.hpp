@@ -18,6 +18,7 @@ void add_worker(CLI::App& app, Job& job);
 void add_coordinator(CLI::App& app, Job& job);
 void add_metrics(CLI::App& app, Job& job);
 void add_reproduce(CLI::App& app, Job& job);
+void add_swap(CLI::App& app, Job& job);
 void add_tournament(CLI::App& app, Job& job);
 void add_report(CLI::App& app, Job& job);
 void add_validate(CLI::App& app, Job& job);

@@ -95,6 +95,12 @@ class Run {
       if (stored_.contains(key)) continue;
       if (stop()) return;
       if (!map) map = experiment::make_signal_map(experiment_, condition, trial);
+      if (!spec.crew.empty()) {
+        const flight::FlightRecord record =
+            flight::fly_relay(*map, experiment_.seed, trial, spec, experiment_.costs_in(condition));
+        flown.push_back({std::move(key), store::encode_trace(record), {}});
+        continue;
+      }
       const auto agent = spec.make();
       if (const auto earlier = spec.remembered_trial(trial))
         agent->restore_state(memory_after({condition.index, *earlier, spec.name}));

@@ -64,6 +64,7 @@ int main(int argc, char** argv) {
   add_status(app, job);
   add_doctor(app, job);
   add_keys(app, job);
+  add_swap(app, job);
   add_tournament(app, job);
   add_validate(app, job);
   add_agents(app, job);

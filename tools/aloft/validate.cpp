@@ -13,8 +13,13 @@ void print_summary(const experiment::Experiment& experiment) {
              experiment.conditions.size() * experiment.trials * experiment.agents.size(), experiment.seed);
   for (const auto& condition : experiment.conditions)
     fmt::print("  condition {}: {}\n", condition.index, condition.name);
-  for (const auto& agent : experiment.agents)
+  for (const auto& agent : experiment.agents) {
     fmt::print("  agent {} {}\n", agent.name, agent.parameters.to_json().dump());
+    for (const auto& member : agent.crew)
+      fmt::print("    {}: {}{} {}\n",
+                 member.from_step > 0 ? fmt::format("from step {}", member.from_step) : "stands by", member.agent.name,
+                 member.shadow ? "" : " (comes aboard cold)", member.agent.parameters.to_json().dump());
+  }
   for (const auto& warning : experiment::warnings(experiment)) fmt::print("  warning: {}\n", warning.text);
 }
 

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/agents/registry.hpp"
+#include "common/bus/endpoint.hpp"
+#include "services/agent_host/liveliness_timer.hpp"
+#include "services/agent_host/pilot.hpp"
+
+namespace aloft::agent_host {
+
+/// What a crew member needs beyond a pilot: a writer of commands for its stream alone, whose strength says whether it
+/// flies there. The strongest live writer of a stream is heard: who is asked raises its own, the others stand by in the
+/// order of the crew.
+class CrewSeat {
+ public:
+  /// `stands_by`: answers also when another is asked and does not; the middleware lets that pass once the other's
+  /// liveliness has run out. `strength`: of this process among those that host the same agent.
+  CrewSeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
+           const agents::CrewMember& member, bool stands_by, std::uint32_t strength);
+  ~CrewSeat();
+  CrewSeat(const CrewSeat&) = delete;
+  CrewSeat& operator=(const CrewSeat&) = delete;
+
+  /// Which reports the member may begin a flight with.
+  [[nodiscard]] Boarding boarding() const noexcept;
+  /// Notes who is asked, and takes or gives up the stream. False if the report is none of the member's.
+  bool hear(const wire::ChannelReport& report, const Pilot& pilot);
+  /// The member has been asked for the command that follows the latest report.
+  [[nodiscard]] bool asked() const noexcept { return asked_; }
+  /// The member should command: it is asked, or somebody else is and does not answer.
+  [[nodiscard]] bool commands() const noexcept { return asked_ || (stands_by_ && repeated_); }
+  void command(wire::HeightCommand& command) { writer_.write(command); }
+
+ private:
+  [[nodiscard]] std::uint32_t strength() const noexcept;
+  /// A writer owns only streams that it has written to. This keeps those who stand by from being heard while the agent
+  /// thinks about its first command; the channel executes nothing for it.
+  void claim(const wire::ChannelReport& report);
+
+  LivelinessTimer& liveliness_;
+  const agents::CrewMember& member_;
+  std::uint32_t place_;  // in the crew
+  bool stands_by_;
+  std::uint32_t own_strength_;
+  bool asked_ = false;
+  bool repeated_ = false;
+  bool heard_ = false;  // a report; the latest is attempt_, step_
+  std::uint32_t attempt_ = 0;
+  std::uint32_t step_ = 0;
+  bus::Writer<wire::HeightCommand> writer_;
+};
+
+}  // namespace aloft::agent_host

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/agents/registry.hpp"
+
+namespace aloft::channel {
+
+using Clock = std::chrono::steady_clock;
+
+/// A standing order: from `from_step` of a flight on (0: at once), this agent flies.
+struct SwapOrder {
+  std::string agent;
+  std::uint32_t from_step = 0;
+};
+
+/// Who of a relay's crew flies, who follows, and whom the flight waits for. No bus; the clock is passed in.
+///
+/// With `failover` the flight does not depend on anybody: a member that stands by takes over when it is heard and the
+/// pilot is silent (the middleware lets it be heard only when the pilot's process is gone), and a follower that falls
+/// silent is left behind. Without, all goes as the crew's entries say, and whoever is lost makes the flight start
+/// again.
+class Crew {
+ public:
+  /// `relay` must outlive the crew.
+  Crew(const agents::AgentSpec& relay, bool failover, Clock::time_point now);
+
+  [[nodiscard]] const agents::AgentSpec& pilot() const noexcept { return agent(pilot_); }
+  [[nodiscard]] bool failover() const noexcept { return failover_; }
+
+  /// The report of `step` - 1 is there: who is asked for `step`? True if it is another one than before.
+  bool begin_step(std::uint32_t step, Clock::time_point now);
+  /// From now on, or from a later step on, this agent of the crew flies; true if the pilot changes at once.
+  bool order(const SwapOrder& order, std::uint32_t step, Clock::time_point now);
+  /// Whether the ordered agent has not commanded yet.
+  [[nodiscard]] bool order_open() const noexcept { return order_open_; }
+
+  /// May this agent command now? If so, it is the pilot from here on.
+  [[nodiscard]] bool takes(std::string_view name, Clock::time_point now);
+  /// The pilot cannot go on; true if another one was found to ask.
+  [[nodiscard]] bool pass_on(Clock::time_point now);
+  /// Its command has been executed.
+  void executed() noexcept;
+
+  /// This agent has learnt from the present report.
+  void followed(std::string_view name);
+  /// Whether nobody but the pilot has still to learn from the present report.
+  [[nodiscard]] bool all_followed() const;
+  /// Leaves those behind that have not followed the present report for a second; only with failover.
+  void leave_behind(Clock::time_point now);
+  /// Followers that have still to learn from the present report.
+  [[nodiscard]] std::vector<std::string_view> behind() const;
+
+ private:
+  struct Member {
+    bool aboard = false;
+    bool left = false;      // not waited for, until it is heard again
+    bool followed = false;  // the present report
+    bool failed = false;    // could not command this step
+  };
+  [[nodiscard]] const agents::AgentSpec& agent(std::size_t index) const noexcept { return relay_.crew[index].agent; }
+  [[nodiscard]] std::size_t find(std::string_view name) const noexcept;
+  [[nodiscard]] bool is_behind(std::size_t index) const noexcept;
+  /// Who is asked for `step`; an order takes effect here.
+  std::size_t due(std::uint32_t step);
+  /// True if it is another one than before.
+  bool ask(std::size_t index, Clock::time_point now);
+
+  const agents::AgentSpec& relay_;
+  bool failover_;
+  std::vector<Member> members_;
+  std::size_t pilot_ = 0;
+  std::optional<SwapOrder> order_;  // overrules what is written, from its step on
+  bool order_in_effect_ = false;
+  bool order_open_ = false;
+  Clock::time_point asked_at_;  // the present pilot, for the present step
+};
+
+}  // namespace aloft::channel

@@ -1,0 +1,364 @@
+// Agents that share a flight, over real processes: written relays give the same bytes as in process, through kills;
+// standbys take over; swaps by order lose and double nothing.
+#include <signal.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "common/bus/endpoint.hpp"
+#include "common/bus/waiter.hpp"
+#include "common/store/result_store.hpp"
+#include "tests/integration/command.hpp"
+
+namespace aloft {
+namespace {
+
+using namespace std::chrono_literals;
+using Catch::Matchers::Contains;
+using test::Command;
+using test::Finished;
+using test::read_text;
+using test::run_command;
+using test::ScratchDir;
+using test::test_domain;
+using test::write_text;
+
+/// Long flights whose worlds are quickly made.
+std::string experiment(const std::string& on_agent_loss, int trials, int steps, const std::string& crew) {
+  return R"({"name": "shared", "seed": 5, "on_agent_loss": ")" + on_agent_loss + R"(", "trials": )" +
+         std::to_string(trials) +
+         R"(, "world": {"bs_density_per_km2": 5, "window_m": 1000, "route_spacing_m": 0.1, "steps": )" +
+         std::to_string(steps) + R"(}, "agents": ["random-walk", {"type": "relay", "name": "uav", "crew": )" + crew +
+         "}]}";
+}
+
+struct Scene {
+  ScratchDir scratch;
+  std::string file = (scratch / "experiment.json").string();
+
+  explicit Scene(const std::string& text) { write_text(file, text); }
+  [[nodiscard]] std::string out(const std::string& name) const { return (scratch / name).string(); }
+  [[nodiscard]] std::vector<std::string> command(const std::string& name,
+                                                 const std::vector<std::string>& options) const {
+    std::vector<std::string> arguments{"aloft",    "run",         file,    "--out",       out(name),
+                                       "--domain", test_domain(), "--run", run_name(name)};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return arguments;
+  }
+  [[nodiscard]] static std::string run_name(const std::string& name) {
+    return "swap-" + name + "-" + std::to_string(getpid());
+  }
+  [[nodiscard]] std::string digest(const std::string& name, const std::vector<std::string>& options) const {
+    const Finished finished = run_command(command(name, options), 120s);
+    INFO(finished.err);
+    CHECK(finished.exit_code == 0);
+    return digest_of(name);
+  }
+  [[nodiscard]] std::string digest_of(const std::string& name) const {
+    return run_command({"aloft", "digest", out(name)}).out;
+  }
+  [[nodiscard]] std::string log(const std::string& name, const std::string& process) const {
+    return read_text(scratch / name / "log" / (process + ".log"));
+  }
+  /// The process of the run with this program and worker w0.
+  [[nodiscard]] int pid_of(const std::string& name, const std::string& program) const {
+    for (const int pid : test::processes_with(out(name)))
+      if (read_text("/proc/" + std::to_string(pid) + "/cmdline").find(program) != std::string::npos) return pid;
+    return 0;
+  }
+  /// Of every flight of the relay: who flew which step, each exactly once.
+  [[nodiscard]] std::vector<std::vector<std::string>> pilots(const std::string& name) const {
+    std::vector<std::vector<std::string>> flights;
+    const auto results = store::ResultStore::open_for_reading(scratch / name);
+    for (const experiment::FlightKey& key : results.keys()) {
+      if (key.agent != "uav") continue;
+      const flight::FlightRecord record = store::decode_trace(results.trace(key));
+      std::vector<std::string> names;
+      for (const flight::StepRecord& step : record.steps) {
+        REQUIRE(step.step == names.size() + 1);
+        names.push_back(record.pilots.at(step.flown_by));
+      }
+      flights.push_back(std::move(names));
+    }
+    return flights;
+  }
+};
+
+template <typename Condition>
+bool eventually(Condition condition, std::chrono::seconds limit = 30s) {
+  const auto deadline = std::chrono::steady_clock::now() + limit * test::slowdown;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(20ms);
+  }
+  return true;
+}
+
+/// When the first line with this text was logged, in seconds since the epoch.
+std::optional<double> logged_at(const std::string& log, const std::string& text) {
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(text) == std::string::npos) continue;
+    std::tm time{};
+    if (strptime(line.c_str(), "%Y-%m-%dT%H:%M:%S", &time) == nullptr) return std::nullopt;
+    time.tm_isdst = -1;
+    return static_cast<double>(std::mktime(&time)) + std::stod(line.substr(19, 4));
+  }
+  return std::nullopt;
+}
+
+double seconds_since_epoch() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+std::size_t changes(const std::vector<std::string>& pilots) {
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < pilots.size(); ++i) count += pilots[i] != pilots[i - 1] ? 1 : 0;
+  return count;
+}
+
+/// Gives orders as `aloft swap` does.
+class Orders {
+ public:
+  explicit Orders(const std::string& run)
+      : participant_({.run = run, .worker = "w0", .process = "test", .domain = std::stoi(test_domain())}) {
+    waiter_.add(replies_);
+  }
+  [[nodiscard]] bool ready() const { return requests_.matched() > 0 && replies_.matched() > 0; }
+
+  /// Until the agent commands all flights in the air; the reply, if it came.
+  std::optional<wire::SwapReply> swap(const std::string& agent) {
+    wire::SwapRequest request;
+    request.request_id(++last_id_);
+    request.agent(wire::name(agent));
+    const auto deadline = std::chrono::steady_clock::now() + 20s * test::slowdown;
+    std::optional<wire::SwapReply> reply;
+    while (std::chrono::steady_clock::now() < deadline) {
+      requests_.write(request);
+      for (int i = 0; i < 20; ++i) {
+        waiter_.wait(50ms);
+        replies_.drain([&](const wire::SwapReply& sample) {
+          if (sample.request_id() == last_id_) reply = sample;
+        });
+        if (reply && (!reply->accepted() || reply->flights_waiting() == 0)) return reply;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  bus::Participant participant_;
+  bus::Writer<wire::SwapRequest> requests_{participant_};
+  bus::Reader<wire::SwapReply> replies_{participant_};
+  bus::Waiter waiter_;
+  std::uint64_t last_id_ = 0;
+};
+
+struct Footprint {
+  std::size_t memory_kib = 0;
+  std::size_t files = 0;
+};
+
+Footprint footprint(int pid) {
+  const std::string folder = "/proc/" + std::to_string(pid);
+  Footprint result;
+  std::ifstream status(folder + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmRSS:", 0) == 0) result.memory_kib = std::stoul(line.substr(6));
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder + "/fd")) ++result.files;
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a written relay: the same bytes in process, over the bus, and through kills") {
+  const Scene scene(experiment("restart", 3, 60, R"([{"agent": "min-height"},
+    {"agent": {"type": "dqn", "epochs": 40}, "from_step": 21},
+    {"agent": {"type": "dqn", "epochs": 40, "name": "cold"}, "from_step": 41, "shadow": false},
+    {"agent": "constant-80", "from_step": 51}])"));
+  const std::string reference = scene.digest("in-process", {"--in-process"});
+  CHECK(reference.size() == 65);
+  for (const auto& flight : scene.pilots("in-process")) {
+    REQUIRE(flight.size() == 60);
+    CHECK(flight[19] == "min-height");
+    CHECK(flight[20] == "dqn");
+    CHECK(flight[40] == "cold");
+    CHECK(flight[50] == "constant-80");
+    CHECK(changes(flight) == 3);
+  }
+  CHECK(scene.digest("two", {"--workers", "2"}) == reference);
+
+  Command killed(scene.command("killed", {"--workers", "1"}));
+  for (const char* program : {"aloft-learning-agent", "aloft-baseline-agent"}) {
+    int pid = 0;
+    REQUIRE(eventually([&] {
+      pid = scene.pid_of("killed", program);
+      return (pid != 0 && scene.log("killed", "aloft-channel-w0").find("agent dqn is there") != std::string::npos) ||
+             !killed.running();
+    }));
+    std::this_thread::sleep_for(100ms);
+    if (pid != 0) kill(pid, SIGKILL);
+  }
+  const Finished finished = killed.wait(120s);
+  INFO(finished.err);
+  CHECK(finished.exit_code == 0);
+  CHECK(scene.digest_of("killed") == reference);
+}
+
+TEST_CASE("failover: kill -9 the process that flies, and a standby flies on") {
+  // The learner sets the pace: about a millisecond per step.
+  const Scene scene(experiment("failover", 1, 3000, R"([{"agent": "min-height"},
+    {"agent": {"type": "dqn", "epochs": 20, "hidden_width": 64}}, {"agent": "constant-80"}])"));
+  Command run(scene.command("run", {"--workers", "1"}));
+  Orders orders(Scene::run_name("run"));
+  const auto taken_over = [&](const std::string& lost) {
+    return logged_at(scene.log("run", "aloft-channel-w0"), "agent " + lost + " is lost");
+  };
+  REQUIRE(eventually([&] { return orders.ready(); }));
+  // Once every agent of the crew has flown, the flight is in full swing.
+  REQUIRE(eventually([&] {
+    const auto reply = orders.swap("constant-80");
+    return reply && reply->accepted() && reply->flights_flown() == 1;
+  }));
+  REQUIRE(orders.swap("min-height")->flights_flown() == 1);
+
+  double killed_at = seconds_since_epoch();
+  kill(scene.pid_of("run", "aloft-baseline-agent"), SIGKILL);
+  REQUIRE(eventually([&] { return taken_over("min-height").has_value(); }));
+  const double first_s = *taken_over("min-height") - killed_at;
+  REQUIRE(eventually([&] { return scene.pid_of("run", "aloft-baseline-agent") != 0; }));
+  REQUIRE(eventually([&] {
+    const auto reply = orders.swap("dqn");
+    return reply && reply->accepted();
+  }));
+  std::this_thread::sleep_for(500ms);  // the restarted agents come back aboard
+
+  killed_at = seconds_since_epoch();
+  kill(scene.pid_of("run", "aloft-learning-agent"), SIGKILL);
+  REQUIRE(eventually([&] { return taken_over("dqn").has_value(); }));
+  const double second_s = *taken_over("dqn") - killed_at;
+  std::cout << "taken over after " << first_s << " s and " << second_s << " s\n";
+  CHECK(first_s < 5.0 * test::slowdown);  // 0.6 s on a quiet machine
+  CHECK(second_s < 5.0 * test::slowdown);
+
+  const Finished finished = run.wait(120s);
+  INFO(finished.err);
+  CHECK(finished.exit_code == 0);
+  const auto flights = scene.pilots("run");
+  REQUIRE(flights.size() == 1);
+  CHECK(flights[0].size() == 3000);
+  CHECK(std::count(flights[0].begin(), flights[0].end(), "dqn") > 0);
+  CHECK(flights[0].front() == "min-height");
+  CHECK(flights[0].back() != "dqn");
+  CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("starts again"));
+}
+
+TEST_CASE("many swaps under load: no step lost or doubled, memory and files of all processes flat") {
+  const char* const wanted = std::getenv("ALOFT_SWAPS");
+  const int swaps = wanted != nullptr ? std::stoi(wanted) : 50;
+  const int trials = std::max(4, swaps / 10);
+  // Four flights at a time: two agents of the other process, one of them a learner, and one of this process.
+  const Scene scene(experiment("failover", trials, 2000, R"([{"agent": "min-height"},
+    {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}, {"agent": "constant-80"}])"));
+  Command run(scene.command("run", {"--workers", "1"}));
+  Orders orders(Scene::run_name("run"));
+  REQUIRE(eventually([&] { return orders.ready(); }));
+  const char* const programs[] = {"aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"};
+  const char* const agents[] = {"dqn", "constant-80", "min-height"};
+  std::map<std::string, Footprint> before;
+  int done = 0;
+  std::uint64_t taken = 0;
+  double waited_s = 0.0;
+  for (int i = 0; i < swaps && run.running(); ++i) {
+    const double start_s = seconds_since_epoch();
+    const auto reply = orders.swap(agents[i % 3]);
+    if (!reply && !run.running()) break;
+    REQUIRE(reply);
+    waited_s += seconds_since_epoch() - start_s;
+    if (!reply->accepted()) {  // before the agents are there
+      CHECK_THAT(reply->message().to_string(), Contains("not there"));
+      std::this_thread::sleep_for(100ms);
+      --i;
+      continue;
+    }
+    ++done;
+    taken += reply->flights_flown();
+    if (done == swaps / 5)
+      for (const char* program : programs) before[program] = footprint(scene.pid_of("run", program));
+    if (done == swaps)
+      for (const char* program : programs) {
+        const Footprint after = footprint(scene.pid_of("run", program));
+        INFO(program << ": " << before[program].memory_kib << " KiB, then " << after.memory_kib);
+        CHECK(after.files <= before[program].files + 2);
+        if (test::slowdown == 1) CHECK(after.memory_kib < before[program].memory_kib + 10 * 1024);
+      }
+  }
+  CHECK(done == swaps);
+  std::cout << done << " swaps of " << taken << " flights, " << 1e3 * waited_s / std::max(1, done) << " ms each\n";
+  const Finished finished = run.wait(600s);
+  INFO(finished.err);
+  CHECK(finished.exit_code == 0);
+  const auto flights = scene.pilots("run");  // checks that every step is there once
+  CHECK(flights.size() == static_cast<std::size_t>(trials));
+  std::size_t changed = 0;
+  for (const auto& flight : flights) {
+    CHECK(flight.size() == 2000);
+    changed += changes(flight);
+  }
+  // Every flight that an order found in the air changed hands, unless its pilot was the right one already.
+  CHECK(changed <= taken + flights.size());
+  CHECK(changed + 2 * flights.size() >= taken);
+  CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("starts again") && !Contains("is lost"));
+}
+
+TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
+  const Scene scene(experiment("failover", 2, 8000, R"([{"agent": "min-height"},
+    {"agent": {"type": "dqn", "epochs": 20, "hidden_width": 64}}, {"agent": "constant-80"}])"));
+  Command run(scene.command("run", {"--workers", "1"}));
+  const auto swap = [&](std::vector<std::string> options, const std::string& worker = "w0") {
+    options.insert(options.begin(), {"aloft", "swap", "--run", Scene::run_name("run"), "--domain", test_domain(),
+                                     "--worker", worker, "--agent"});
+    return run_command(options);
+  };
+  REQUIRE(eventually([&] { return swap({"constant-80"}).out.find("2 flights in the air") != std::string::npos; }));
+  Finished finished = swap({"min-height", "--now"});
+  CHECK(finished.exit_code == 0);
+  CHECK_THAT(finished.out, Contains("min-height flies the 2 flights in the air of worker w0 from now on"));
+  finished = swap({"dqn", "--at-step", "8000"});
+  CHECK(finished.exit_code == 0);
+  CHECK_THAT(finished.out, Contains("from step 8000 on"));
+
+  const auto refused = [&](const Finished& one, const std::string& reason) {
+    CHECK(one.exit_code == 2);
+    CHECK_THAT(one.err, Contains(reason));
+    CHECK(one.out.empty());
+  };
+  refused(swap({"dqm"}), "Did you mean 'dqn'?");
+  refused(swap({"random-walk"}), "in no crew");
+  refused(swap({"dqn", "--at-step", "8001"}), "use 1 to 8000");
+  refused(swap({"dqn", "--at-step", "0"}), "--at-step");
+  refused(swap({"dqn", "--at-step", "5", "--now"}), "--now");
+  refused(swap({"dqn"}, "w7"), "no worker 'w7'");
+  refused(
+      run_command({"aloft", "swap", "--run", "nobody", "--domain", test_domain(), "--worker", "w0", "--agent", "dqn"}),
+      "nobody flies in run 'nobody'");
+
+  // Its channel hangs: the wait ends, and says for whom it was.
+  kill(scene.pid_of("run", "aloft-channel"), SIGSTOP);
+  finished = swap({"dqn", "--limit", "1"});
+  CHECK(finished.exit_code == 1);
+  CHECK_THAT(finished.err, Contains("channel of worker 'w0'"));
+  run.send(SIGINT);
+  run.wait(30s);
+}
+
+}  // namespace aloft

@@ -33,10 +33,10 @@ using test::test_domain;
 using test::write_text;
 
 /// Long flights whose worlds are quickly made.
-std::string experiment(const std::string& on_agent_loss, int trials, int steps, const std::string& crew) {
+std::string experiment_text(const std::string& on_agent_loss, int trials, int steps, const std::string& crew) {
   return R"({"name": "shared", "seed": 5, "on_agent_loss": ")" + on_agent_loss + R"(", "trials": )" +
          std::to_string(trials) +
-         R"(, "world": {"bs_density_per_km2": 5, "window_m": 1000, "route_spacing_m": 0.1, "steps": )" +
+         R"(, "world": {"bs_density_per_km2": 5, "window_m": 1000, "route_start_x_m": -400, "route_spacing_m": 0.1, "steps": )" +
          std::to_string(steps) + R"(}, "agents": ["random-walk", {"type": "relay", "name": "uav", "crew": )" + crew +
          "}]}";
 }
@@ -181,7 +181,7 @@ Footprint footprint(int pid) {
 }  // namespace
 
 TEST_CASE("a written relay: the same bytes in process, over the bus, and through kills") {
-  const Scene scene(experiment("restart", 3, 60, R"([{"agent": "min-height"},
+  const Scene scene(experiment_text("restart", 3, 60, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 40}, "from_step": 21},
     {"agent": {"type": "dqn", "epochs": 40, "name": "cold"}, "from_step": 41, "shadow": false},
     {"agent": "constant-80", "from_step": 51}])"));
@@ -216,7 +216,7 @@ TEST_CASE("a written relay: the same bytes in process, over the bus, and through
 
 TEST_CASE("failover: kill -9 the process that flies, and a standby flies on") {
   // The learner sets the pace: about a millisecond per step.
-  const Scene scene(experiment("failover", 1, 3000, R"([{"agent": "min-height"},
+  const Scene scene(experiment_text("failover", 1, 3000, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 20, "hidden_width": 64}}, {"agent": "constant-80"}])"));
   Command run(scene.command("run", {"--workers", "1"}));
   Orders orders(Scene::run_name("run"));
@@ -267,7 +267,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
   const int swaps = wanted != nullptr ? std::stoi(wanted) : 50;
   const int trials = std::max(4, swaps / 10);
   // Four flights at a time: two agents of the other process, one of them a learner, and one of this process.
-  const Scene scene(experiment("failover", trials, 2000, R"([{"agent": "min-height"},
+  const Scene scene(experiment_text("failover", trials, 2000, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}, {"agent": "constant-80"}])"));
   Command run(scene.command("run", {"--workers", "1"}));
   Orders orders(Scene::run_name("run"));
@@ -321,7 +321,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
 }
 
 TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
-  const Scene scene(experiment("failover", 2, 8000, R"([{"agent": "min-height"},
+  const Scene scene(experiment_text("failover", 2, 8000, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 20, "hidden_width": 64}}, {"agent": "constant-80"}])"));
   Command run(scene.command("run", {"--workers", "1"}));
   const auto swap = [&](std::vector<std::string> options, const std::string& worker = "w0") {

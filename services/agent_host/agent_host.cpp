@@ -184,8 +184,7 @@ struct AgentHost::State {
   std::unique_ptr<Seat> seat(const Role& role, std::uint32_t stream) {
     if (role.member == nullptr) return std::make_unique<Seat>(Seat{role.entry, nullptr, Pilot(*role.agent, stream)});
     const bool stands_by = experiment->on_agent_loss == experiment::OnAgentLoss::failover;
-    auto crew =
-        std::make_unique<CrewSeat>(participant, liveliness, *role.entry, *role.member, stands_by, options.strength);
+    auto crew = std::make_unique<CrewSeat>(participant, liveliness, *role.entry, *role.member, stands_by);
     const Boarding boarding = crew->boarding();
     return std::make_unique<Seat>(Seat{role.entry, std::move(crew), Pilot(*role.agent, stream, boarding)});
   }

@@ -1,13 +1,14 @@
 #include "services/agent_host/crew_seat.hpp"
 
-#include <algorithm>
-
 #include "common/agents/relay.hpp"
 
 namespace aloft::agent_host {
 namespace {
 
-constexpr std::uint32_t strengths_per_rank = 1000;
+// A writer that lowers its strength is not believed at once, so who is asked has to be stronger than anybody before.
+// Reports are ordered by attempt and step (at most 10,000).
+constexpr unsigned step_bits = 14;
+constexpr std::uint32_t attempts_told_apart = 1U << 17U;
 
 std::uint32_t place_of(const agents::AgentSpec& relay, const agents::CrewMember& member) {
   return static_cast<std::uint32_t>(&member - relay.crew.data());
@@ -16,13 +17,12 @@ std::uint32_t place_of(const agents::AgentSpec& relay, const agents::CrewMember&
 }  // namespace
 
 CrewSeat::CrewSeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
-                   const agents::CrewMember& member, bool stands_by, std::uint32_t strength)
+                   const agents::CrewMember& member, bool stands_by)
     : liveliness_(liveliness),
       member_(member),
       place_(place_of(relay, member)),
       stands_by_(stands_by),
-      own_strength_(std::min(strength, strengths_per_rank - 1)),
-      writer_(participant, {.strength = this->strength()}) {
+      writer_(participant, {.strength = standby_strength()}) {
   liveliness_.add(writer_);
 }
 
@@ -35,9 +35,8 @@ Boarding CrewSeat::boarding() const noexcept {
   return {member_.boards_at().value_or(0), false};
 }
 
-std::uint32_t CrewSeat::strength() const noexcept {
-  const auto rank = static_cast<std::uint32_t>(asked_ ? agents::max_crew : agents::max_crew - 1 - place_);
-  return rank * strengths_per_rank + own_strength_;
+std::uint32_t CrewSeat::standby_strength() const noexcept {
+  return static_cast<std::uint32_t>(agents::max_crew) - place_;
 }
 
 void CrewSeat::claim(const wire::ChannelReport& report) {
@@ -60,7 +59,8 @@ bool CrewSeat::hear(const wire::ChannelReport& report, const Pilot& pilot) {
   const bool asked = report.agent() == member_.agent.name;
   if (asked != asked_) {
     asked_ = asked;
-    writer_.set_strength(strength());
+    const std::uint32_t turn = ((attempt_ % attempts_told_apart + 1) << step_bits) + step_;
+    writer_.set_strength(asked_ ? turn : standby_strength());
     if (asked_) claim(report);
   }
   return asked_ || member_.shadow || pilot.aboard(report);

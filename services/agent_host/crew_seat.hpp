@@ -11,14 +11,14 @@
 namespace aloft::agent_host {
 
 /// What a crew member needs beyond a pilot: a writer of commands for its stream alone, whose strength says whether it
-/// flies there. The strongest live writer of a stream is heard: who is asked raises its own, the others stand by in the
-/// order of the crew.
+/// flies there. The strongest live writer of a stream is heard: who is asked makes its own stronger than any before,
+/// the others stand by in the order of the crew.
 class CrewSeat {
  public:
   /// `stands_by`: answers also when another is asked and does not; the middleware lets that pass once the other's
-  /// liveliness has run out. `strength`: of this process among those that host the same agent.
+  /// liveliness has run out.
   CrewSeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
-           const agents::CrewMember& member, bool stands_by, std::uint32_t strength);
+           const agents::CrewMember& member, bool stands_by);
   ~CrewSeat();
   CrewSeat(const CrewSeat&) = delete;
   CrewSeat& operator=(const CrewSeat&) = delete;
@@ -34,7 +34,7 @@ class CrewSeat {
   void command(wire::HeightCommand& command) { writer_.write(command); }
 
  private:
-  [[nodiscard]] std::uint32_t strength() const noexcept;
+  [[nodiscard]] std::uint32_t standby_strength() const noexcept;
   /// A writer owns only streams that it has written to. This keeps those who stand by from being heard while the agent
   /// thinks about its first command; the channel executes nothing for it.
   void claim(const wire::ChannelReport& report);
@@ -43,7 +43,6 @@ class CrewSeat {
   const agents::CrewMember& member_;
   std::uint32_t place_;  // in the crew
   bool stands_by_;
-  std::uint32_t own_strength_;
   bool asked_ = false;
   bool repeated_ = false;
   bool heard_ = false;  // a report; the latest is attempt_, step_

@@ -215,7 +215,7 @@ TEST_CASE("a written relay: the same bytes in process, over the bus, and through
   CHECK(scene.digest_of("killed") == reference);
 }
 
-TEST_CASE("failover: kill -9 the process that flies, and a standby flies on") {
+TEST_CASE("failover: kill -9 the process that flies, and a standby flies on", "[.soak]") {
   // The learner sets the pace: about a millisecond per step. `aloft run` would start again what is killed before
   // anybody has to take over, so here is nobody who does.
   const Scene scene(experiment_text("failover", 1, 3000, R"([{"agent": "min-height"},
@@ -277,7 +277,7 @@ TEST_CASE("failover: kill -9 the process that flies, and a standby flies on") {
   CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("starts again"));
 }
 
-TEST_CASE("many swaps under load: no step lost or doubled, memory and files of all processes flat") {
+TEST_CASE("many swaps under load: no step lost or doubled, memory and files of all processes flat", "[.soak]") {
   const char* const wanted = std::getenv("ALOFT_SWAPS");
   const int swaps = wanted != nullptr ? std::stoi(wanted) : 50;
   const int trials = std::max(4, swaps / 10);
@@ -299,8 +299,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
     if (!reply && !run.running()) break;
     REQUIRE(reply);
     waited_s += seconds_since_epoch() - start_s;
-    if (!reply->accepted()) {  // before the agents are there
-      CHECK_THAT(reply->message().to_string(), Contains("not there"));
+    if (!reply->accepted() || reply->flights_flown() == 0) {  // before the agents are there, or between two trials
       std::this_thread::sleep_for(100ms);
       --i;
       continue;
@@ -367,11 +366,6 @@ TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
       run_command({"aloft", "swap", "--run", "nobody", "--domain", test_domain(), "--worker", "w0", "--agent", "dqn"}),
       "nobody flies in run 'nobody'");
 
-  // Its channel hangs: the wait ends, and says for whom it was.
-  kill(scene.pid_of("run", "aloft-channel"), SIGSTOP);
-  finished = swap({"dqn", "--limit", "1"});
-  CHECK(finished.exit_code == 1);
-  CHECK_THAT(finished.err, Contains("channel of worker 'w0'"));
   run.send(SIGINT);
   run.wait(30s);
 }

@@ -111,11 +111,12 @@ struct Channel::State {
     }
     for (std::unique_ptr<Episode>& episode : episodes) {
       if (!episode) continue;
-      if (episode->silence(now) > answer_limit)
+      const Clock::duration silence = episode->silence(now);
+      if (silence > answer_limit)
         fail(lease_of(*episode),
              fmt::format("agent {} did not answer for {} s", episode->awaited(), answer_limit.count()));
       else if (const auto outcome = episode->wait_no_longer(now); outcome != Episode::Outcome::ignored)
-        go_on(*episode, outcome, seconds(episode->silence(now)));
+        go_on(*episode, outcome, seconds(silence));
       else if (episode->repeat_due(now))
         ask(*episode);
     }

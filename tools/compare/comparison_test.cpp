@@ -29,7 +29,7 @@ Experiment experiment(const std::string& id, std::uint64_t seed, const std::vect
 
 FlightSummary flight(std::uint32_t condition, std::uint32_t trial, const std::string& agent, double qos,
                      const std::string& digest) {
-  return {{condition, trial, agent}, qos, 0.0, 0, digest};
+  return {{condition, trial, agent}, qos, 0.0, 0, 0.0, 0U, digest};
 }
 
 }  // namespace

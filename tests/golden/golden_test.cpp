@@ -21,16 +21,20 @@ namespace {
 
 const std::filesystem::path folder = std::filesystem::path(ALOFT_SOURCE_DIR) / "tests/golden";
 
-/// Every agent that flies in this process, and the DQN with the options that the published code had.
+/// Every agent that flies in this process, the DQN with the options that the published code had, and a relay in which a
+/// shadow takes over.
 experiment::Experiment golden_experiment() {
   Json agents = Json::array();
   for (const agents::AgentType& type : agents::agent_types())
-    if (!type.foreign) agents.push_back(type.name);
+    if (!type.foreign && !type.relay) agents.push_back(type.name);
   agents.push_back({{"type", "dqn"},
                     {"name", "dqn-published"},
                     {"loss", "cross-entropy"},
                     {"target_network", false},
                     {"input_scaling", "linear-max"}});
+  agents.push_back({{"type", "relay"},
+                    {"name", "relay"},
+                    {"crew", {{{"agent", "random-walk"}}, {{"agent", "dqn"}, {"from_step", 13}}}}});
   const Json document{
       {"name", "golden"},
       {"seed", 5},
@@ -57,13 +61,19 @@ void write_step(std::string& text, const flight::StepRecord& step) {
   text += '\n';
 }
 
+flight::FlightRecord fly(radio::SignalMap& map, const experiment::Experiment& experiment, std::uint32_t trial,
+                         const agents::AgentSpec& spec) {
+  if (!spec.crew.empty()) return flight::fly_relay(map, experiment.seed, trial, spec);
+  return flight::fly(map, experiment.seed, trial, *spec.make(), spec);
+}
+
 std::string golden_text(const experiment::Experiment& experiment, const agents::AgentSpec& spec) {
   std::string text = "step action x_m y_m height_m serving_cell serving_sinr_db qos reward";
   text += " | epsilon loss q_down q_hold q_up\n";
   for (const experiment::Condition& condition : experiment.conditions) {
     for (std::uint32_t trial = 0; trial < experiment.trials; ++trial) {
       const auto map = experiment::make_signal_map(experiment, condition, trial);
-      const flight::FlightRecord record = flight::fly(*map, experiment.seed, trial, *spec.make(), spec);
+      const flight::FlightRecord record = fly(*map, experiment, trial, spec);
       text += fmt::format("\n{}, trial {}\n",
                           condition.kind == experiment::WorldKind::measured ? "measured" : "generated", trial);
       for (const flight::StepRecord& step : record.steps) write_step(text, step);

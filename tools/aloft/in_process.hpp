@@ -10,8 +10,8 @@
 namespace aloft::cli {
 
 /// Flies everything of `results`' experiment that is not stored yet, on `threads` threads, without DDS.
-/// `fail_fast` > 0 stops after that many failed trials; `interrupted` is looked at between flights. Returns one line per
-/// failed trial.
+/// `fail_fast` > 0 stops after that many failed trials; `interrupted` is looked at between flights. Returns one line
+/// per failed trial.
 std::vector<std::string> run_in_process(store::ResultStore& results, unsigned threads, unsigned fail_fast,
                                         Progress& progress, const std::atomic<bool>& interrupted);
 

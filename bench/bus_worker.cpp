@@ -51,8 +51,17 @@ class Process {
  public:
   Process(const std::string& program, const bus::BusOptions& place) {
     const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    std::vector<std::string> arguments{"taskset",  "-c", "0",        (folder / program).string(), "--run", place.run,
-                                       "--worker", "w0", "--domain", std::to_string(place.domain)};
+    std::vector<std::string> arguments{"taskset",
+                                       "-c",
+                                       "0",
+                                       (folder / program).string(),
+                                       "--run",
+                                       place.run,
+                                       "--worker",
+                                       "w0",
+                                       "--domain",
+                                       std::to_string(place.domain),
+                                       "--die-with-parent"};
     std::vector<char*> argv;
     argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());

@@ -48,6 +48,14 @@ std::int64_t seal_of(std::int64_t id, const FlightSummary& flight) {
   return std::bit_cast<std::int64_t>(sha256_id(row));
 }
 
+/// Of a memory and whose it is: it must not be taken for that of another flight either.
+std::string memory_digest(const FlightKey& key, std::string_view memory) {
+  Digest digest;
+  digest.add(fmt::format("{} {} {}\n", key.condition, key.trial, key.agent));
+  digest.add(memory);
+  return digest.hex();
+}
+
 /// Lost and mistaken folders look alike: never start a run among files that are not results.
 void check_is_empty(const std::filesystem::path& dir) {
   for (const auto& entry : std::filesystem::directory_iterator(dir)) {
@@ -198,7 +206,7 @@ void ResultStore::State::store_memory(const FlightKey& key, std::uint32_t lineag
   row.bind(2, key.agent);
   row.bind(3, key.trial % lineages);
   row.bind(4, key.trial);
-  row.bind(5, sha256_hex(memory));
+  row.bind(5, memory_digest(key, memory));
   row.bindNoCopy(6, memory.data(), static_cast<int>(memory.size()));
   row.exec();
   row.reset();
@@ -335,7 +343,7 @@ std::optional<std::string> ResultStore::memory(const FlightKey& key) const {
     query.bind(4, key.trial);
     if (!query.executeStep()) return std::nullopt;
     std::string bytes = query.getColumn(0).getString();
-    if (sha256_hex(bytes) != query.getColumn(1).getString())
+    if (memory_digest(key, bytes) != query.getColumn(1).getString())
       refuse_damaged(state_->file,
                      fmt::format("the memory of agent '{}' after trial {} was altered", key.agent, key.trial));
     return bytes;

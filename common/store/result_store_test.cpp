@@ -310,15 +310,50 @@ TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
   REQUIRE(still_right(intact));
   RandomStream random(5, 0, "bit flips");
   int refused = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     const std::uint32_t bit = random.uniform_index(static_cast<std::uint32_t>(intact.size() * 8));
     std::string flipped = intact;
     flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
     refused += still_right(flipped) ? 0 : 1;
   }
-  CHECK(refused > 100);  // the rest hit unused bytes
+  CHECK(refused > 300);  // the rest hit unused bytes
   for (std::size_t size = 1; size < intact.size(); size += intact.size() / 20)
     CHECK_FALSE(still_right(intact.substr(0, size)));
+}
+
+TEST_CASE("a stored trace or memory that is cut at any byte, or has any bit flipped, is refused with a hint") {
+  const Folder folder;
+  const FlightKey key{0, 0, "dqn"};
+  std::string memory(100, '\0');
+  for (std::size_t i = 0; i < memory.size(); ++i) memory[i] = static_cast<char>(37 * i);
+  { (void)ResultStore::open_for_writing(folder / "out", remembering()).add(key, flight_with(1.0, 5), memory); }
+  const auto results = ResultStore::open_for_reading(folder / "out");
+  const std::string trace = results.trace(key);
+  REQUIRE(results.memory(key) == memory);
+  SQLite::Database database((folder / "out" / "results.sqlite").string(), SQLite::OPEN_READWRITE);
+  database.exec("PRAGMA synchronous = OFF");
+  const auto check_all_damages = [&](const char* update, const std::string& good, const auto& read) {
+    SQLite::Statement put(database, update);
+    const auto check_refused = [&](const std::string& damaged) {
+      put.reset();
+      put.bind(1, damaged.data(), static_cast<int>(damaged.size()));
+      REQUIRE(put.exec() == 1);
+      CHECK_THROWS_AS(read(), IntegrityError);
+      CHECK_THROWS_WITH(read(), Contains("Restore the folder"));
+    };
+    for (std::size_t size = 0; size < good.size(); ++size) {
+      INFO("cut to " << size << " bytes");
+      check_refused(good.substr(0, size));
+    }
+    for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+      INFO("bit " << bit);
+      std::string flipped = good;
+      flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
+      check_refused(flipped);
+    }
+  };
+  check_all_damages("UPDATE trace SET bytes = ?", trace, [&] { return results.trace(key); });
+  check_all_damages("UPDATE memory SET bytes = ?", memory, [&] { return results.memory(key); });
 }
 
 TEST_CASE("a full disk pauses storing; nothing stored is lost, and it goes on when there is room") {
@@ -409,9 +444,16 @@ TEST_CASE("memory is all or nothing with its flight, and an altered one is refus
     CHECK(results.memory({0, 0, "dqn"}) == std::nullopt);
     CHECK(results.add({0, 0, "dqn"}, flight, "a0") == Stored::added);
   }
-  run_sql(folder / "out", "UPDATE memory SET bytes = x'6131'");
-  CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out").memory({0, 0, "dqn"}),
-                    Contains("memory of agent 'dqn' after trial 0 was altered"));
+  SECTION("its bytes") {
+    run_sql(folder / "out", "UPDATE memory SET bytes = x'6131'");
+    CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out").memory({0, 0, "dqn"}),
+                      Contains("memory of agent 'dqn' after trial 0 was altered"));
+  }
+  SECTION("whose it is") {
+    run_sql(folder / "out", "UPDATE memory SET condition = 1");
+    CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out").memory({1, 0, "dqn"}),
+                      Contains("memory of agent 'dqn' after trial 0 was altered"));
+  }
 }
 
 TEST_CASE("a database without a place for memory gets one when it is written again") {

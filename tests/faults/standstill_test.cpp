@@ -79,8 +79,10 @@ bus::BusOptions place(const char* process) {
 class Child {
  public:
   template <class Work>
-  explicit Child(Work work) : pid_(fork()) {
-    if (pid_ == 0) work();
+  explicit Child(Work work) : test_(getpid()), pid_(fork()) {
+    if (pid_ != 0) return;
+    test::die_with(test_);
+    work();
   }
   ~Child() {
     kill(pid_, SIGKILL);
@@ -91,6 +93,7 @@ class Child {
   void send(int signal) const { kill(pid_, signal); }
 
  private:
+  pid_t test_;
   pid_t pid_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -44,9 +45,17 @@ ScratchDir::~ScratchDir() {
   std::filesystem::remove_all(path_, ignored);
 }
 
+void die_with(int parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);  // it ended in between
+}
+
 Command::Command(const std::vector<std::string>& arguments) {
+  const int test = getpid();
   pid_ = fork();
-  if (pid_ == 0) execute(arguments, scratch_ / "out", scratch_ / "err");
+  if (pid_ != 0) return;
+  die_with(test);
+  execute(arguments, scratch_ / "out", scratch_ / "err");
 }
 
 Command::~Command() {

@@ -38,7 +38,11 @@ inline constexpr int slowdown = 4;
 inline constexpr int slowdown = 1;
 #endif
 
-/// A program of build/bin (or an absolute path) started in the repository's root, in a process group of its own.
+/// To be called by a child process that was just forked: it is killed when `parent`, its test, ends in whatever way.
+void die_with(int parent);
+
+/// A program of build/bin (or an absolute path) started in the repository's root, in a process group of its own. It
+/// does not survive the test.
 class Command {
  public:
   explicit Command(const std::vector<std::string>& arguments);

@@ -8,9 +8,11 @@
 #include <atomic>
 #include <bit>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
@@ -18,6 +20,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/bus/allocation_limit.hpp"
@@ -95,7 +98,7 @@ class CheckedType : public Generated {
 };
 
 /// Owns the middleware's participant and, made when first needed, one publisher and subscriber per scope and one topic
-/// per type.
+/// per type. A thread of its own brings processes together that have lost each other (reunion.hpp).
 struct Participant::State {
   explicit State(const BusOptions& options);
   ~State();
@@ -122,13 +125,29 @@ struct Participant::State {
   void register_topic(TopicEntry& entry, const TopicSettings& settings,
                       const eprosima::fastdds::dds::TypeSupport& type);
 
+  void add(eprosima::fastdds::dds::DataReader& reader);
+  void remove(eprosima::fastdds::dds::DataReader& reader);
+
   BusOptions options;
-  mutable std::mutex mutex;
+  mutable std::mutex mutex;  // also held while the quality of service of an endpoint changes
   Neighbourhood neighbourhood;
   eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
   std::array<eprosima::fastdds::dds::Publisher*, 3> publishers{};
   std::array<eprosima::fastdds::dds::Subscriber*, 3> subscribers{};
   std::map<std::string_view, TopicEntry> topics;
+  std::vector<eprosima::fastdds::dds::DataReader*> readers;
+
+ private:
+  void mediate();
+  void ask(const Reunion::Question& question);
+  void introduce_ourselves();
+
+  std::mutex mediation_mutex_;
+  std::condition_variable mediation_needed_;
+  bool may_miss_somebody_ = false;
+  bool is_asked_ = false;
+  bool ending_ = false;
+  std::thread mediator_;
 };
 
 }  // namespace aloft::bus

@@ -136,6 +136,7 @@ void Writer<T>::assert_liveliness() {
 
 template <class T>
 void Writer<T>::set_strength(std::uint32_t strength) {
+  const std::lock_guard lock(state_->participant->mutex);
   dds::DataWriterQos qos = state_->writer->get_qos();
   qos.ownership_strength().value = strength;
   if (state_->writer->set_qos(qos) != ReturnCode::RETCODE_OK)
@@ -158,7 +159,9 @@ struct Reader<T>::State {
   T scratch;
 
   ~State() {
-    if (reader != nullptr) subscriber->delete_datareader(reader);
+    if (reader == nullptr) return;
+    participant->remove(*reader);
+    subscriber->delete_datareader(reader);
   }
 
   [[nodiscard]] bool good(const T& sample) const {
@@ -192,6 +195,7 @@ Reader<T>::Reader(const Participant& participant) : state_(std::make_unique<Stat
   state_->reader = state_->subscriber->create_datareader(entry.topic, qos);
   if (state_->reader == nullptr)
     throw std::runtime_error(not_created("reader", state_->settings, state_->participant->options));
+  state_->participant->add(*state_->reader);
   state_->reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/ostream.h>
 #include <spdlog/spdlog.h>
 
+#include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -78,8 +79,17 @@ std::string introduction(const rtps::ParticipantProxyData& data) {
 
 void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participant*/,
                                              rtps::ParticipantDiscoveryInfo&& info) {
-  if (info.status != rtps::ParticipantDiscoveryInfo::DISCOVERED_PARTICIPANT) return;
+  using Info = rtps::ParticipantDiscoveryInfo;
   const rtps::ParticipantProxyData& data = info.info;
+  if (info.status == Info::DROPPED_PARTICIPANT) {
+    spdlog::debug("has not heard {} for longer than its lease: forgets it", introduction(data));
+    reunion_.forgotten(data.m_guid.guidPrefix);
+  }
+  if (info.status == Info::REMOVED_PARTICIPANT) reunion_.left(data.m_guid.guidPrefix);
+  if (info.status != Info::DISCOVERED_PARTICIPANT) return;
+  spdlog::debug("hears {}", introduction(data));
+  reunion_.heard(data.m_guid.guidPrefix, introduction(data), Reunion::Clock::now());
+  if (on_reunion_) on_reunion_(false);
   acquaintances().meet(data.m_guid.guidPrefix, introduction(data));
   if (authority_.empty()) return;
   // Which side the middleware tells of a failed handshake depends on which of them began it: so look beforehand.
@@ -96,9 +106,22 @@ void Neighbourhood::onParticipantAuthentication(dds::DomainParticipant* /*partic
                            "cannot prove who it is, or its certificate or permissions are not valid");
 }
 
+void Neighbourhood::on_subscriber_discovery(dds::DomainParticipant* participant, rtps::ReaderDiscoveryInfo&& info) {
+  const rtps::GUID_t& reader = info.info.guid();
+  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) return reunion_.removed(reader, Reunion::Kind::reader);
+  reunion_.found(reader, Reunion::Kind::reader);
+  const rtps::GuidPrefix_t& self = participant->guid().guidPrefix;
+  if (reunion_.asks(reader.guidPrefix, info.info.m_qos.m_userData.getValue(), self) && on_reunion_) on_reunion_(true);
+}
+
 void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
+  const bool removed = info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER;
+  if (removed)
+    reunion_.removed(info.info.guid(), Reunion::Kind::writer);
+  else
+    reunion_.found(info.info.guid(), Reunion::Kind::writer);
   const std::lock_guard lock(mutex_);
-  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+  if (removed) {
     runs_.erase(info.info.guid());
     return;
   }

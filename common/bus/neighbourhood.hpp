@@ -3,11 +3,14 @@
 // Inside common/bus only: who else is in the domain.
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/bus/reunion.hpp"
 
 namespace aloft::bus {
 
@@ -17,6 +20,10 @@ class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
  public:
   /// Whose certificates are taken (KeyFiles::authority); empty: the run is not secured.
   void expect_authority(std::string name) { authority_ = std::move(name); }
+  /// Called when somebody is back whose endpoints may be missing, and when somebody asks us for ours (true): from the
+  /// middleware's threads, so it must not call the middleware. To be set beforehand.
+  void on_reunion(std::function<void(bool asks_us)> callback) { on_reunion_ = std::move(callback); }
+  [[nodiscard]] Reunion& reunion() noexcept { return reunion_; }
   /// Names of the runs of which a writer is known, sorted.
   [[nodiscard]] std::vector<std::string> runs() const;
 
@@ -26,9 +33,13 @@ class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
                                    eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override;
   void on_publisher_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
                               eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override;
+  void on_subscriber_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
+                               eprosima::fastrtps::rtps::ReaderDiscoveryInfo&& info) override;
 
  private:
   std::string authority_;
+  std::function<void(bool asks_us)> on_reunion_;
+  Reunion reunion_;
   mutable std::mutex mutex_;
   std::map<eprosima::fastrtps::rtps::GUID_t, std::string> runs_;  // by writer
 };

@@ -170,6 +170,11 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
     neighbourhood.expect_authority(files.authority);
     secure(files, qos);
   }
+  neighbourhood.on_reunion([this](bool asks_us) {
+    const std::lock_guard lock(mediation_mutex_);
+    (asks_us ? is_asked_ : may_miss_somebody_) = true;
+    mediation_needed_.notify_one();
+  });
   participant = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(options.domain), qos, &neighbourhood, dds::StatusMask::none());
   if (participant == nullptr)
@@ -177,11 +182,62 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
         "cannot join DDS domain {} on {}: is a UDP port free? (about 100 processes fit in a domain; try another "
         "--domain)",
         options.domain, fmt::join(options.interfaces, ", ")));
+  mediator_ = std::thread([this] { mediate(); });
 }
 
 Participant::State::~State() {
+  {
+    const std::lock_guard lock(mediation_mutex_);
+    ending_ = true;
+  }
+  mediation_needed_.notify_one();
+  mediator_.join();
   participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+}
+
+void Participant::State::mediate() {
+  constexpr std::chrono::milliseconds period{200};  // also between two introductions
+  std::unique_lock lock(mediation_mutex_);
+  while (!ending_) {
+    mediation_needed_.wait(lock, [this] { return ending_ || is_asked_ || may_miss_somebody_; });
+    const bool asked = std::exchange(is_asked_, false);
+    lock.unlock();
+    if (asked) introduce_ourselves();
+    if (const auto question = neighbourhood.reunion().question(Reunion::Clock::now())) ask(*question);
+    const bool waits = neighbourhood.reunion().waits();
+    lock.lock();
+    may_miss_somebody_ = waits;
+    mediation_needed_.wait_for(lock, period, [this] { return ending_; });
+  }
+}
+
+void Participant::State::ask(const Reunion::Question& question) {
+  const std::lock_guard lock(mutex);
+  if (readers.empty()) return;
+  dds::DataReaderQos qos = readers.front()->get_qos();
+  qos.user_data().setValue(question);
+  readers.front()->set_qos(qos);
+}
+
+/// Setting what is set already announces every writer and reader again.
+void Participant::State::introduce_ourselves() {
+  spdlog::info("is asked for its endpoints: announces them again");
+  const std::lock_guard lock(mutex);
+  for (dds::Publisher* publisher : publishers)
+    if (publisher != nullptr) publisher->set_qos(publisher->get_qos());
+  for (dds::Subscriber* subscriber : subscribers)
+    if (subscriber != nullptr) subscriber->set_qos(subscriber->get_qos());
+}
+
+void Participant::State::add(dds::DataReader& reader) {
+  const std::lock_guard lock(mutex);
+  readers.push_back(&reader);
+}
+
+void Participant::State::remove(dds::DataReader& reader) {
+  const std::lock_guard lock(mutex);
+  std::erase(readers, &reader);
 }
 
 std::string Participant::State::partition(Scope scope) const {

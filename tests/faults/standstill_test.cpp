@@ -4,10 +4,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "common/base/random.hpp"
 #include "common/bus/endpoint.hpp"
@@ -21,8 +24,10 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-bus::BusOptions place(const char* process) {
+/// `lease`: for how long the others remember this process when they do not hear it.
+bus::BusOptions place(const char* process, std::chrono::milliseconds lease) {
   bus::BusOptions options;
+  options.lease = lease;
   options.run = "standstill-" + std::to_string(getpgrp());
   options.worker = "w0";
   options.process = process;
@@ -31,13 +36,14 @@ bus::BusOptions place(const char* process) {
 }
 
 /// Asks for the next step until it is commanded, again every 100 ms; counts the steps.
-[[noreturn]] void ask(std::atomic<std::uint32_t>& steps) {
-  const bus::Participant participant(place("asks"));
+[[noreturn]] void ask(std::uint32_t stream, std::atomic<std::uint32_t>& steps, std::chrono::milliseconds lease) {
+  const bus::Participant participant(place("asks", lease));
   bus::Writer<wire::ChannelReport> reports(participant);
   bus::Reader<wire::HeightCommand> commands(participant);
   bus::Waiter waiter;
   waiter.add(commands);
   wire::ChannelReport report;
+  report.stream(stream);
   report.agent(wire::name("agent"));
   report.height_step_m(10);
   report.steps(1);
@@ -46,14 +52,16 @@ bus::BusOptions place(const char* process) {
     for (bool answered = false; !answered;) {
       reports.write(report);
       waiter.wait(100ms);
-      commands.drain([&](const wire::HeightCommand& command) { answered = answered || command.attempt() == attempt; });
+      commands.drain([&](const wire::HeightCommand& command) {
+        answered = answered || (command.stream() == stream && command.attempt() == attempt);
+      });
     }
     ++steps;
   }
 }
 
-[[noreturn]] void answer() {
-  const bus::Participant participant(place("answers"));
+[[noreturn]] void answer(std::chrono::milliseconds lease) {
+  const bus::Participant participant(place("answers", lease));
   bus::Reader<wire::ChannelReport> reports(participant);
   bus::Writer<wire::HeightCommand> commands(participant, {.strength = 10});
   bus::Waiter waiter;
@@ -97,20 +105,42 @@ class Child {
   pid_t pid_;
 };
 
+/// Counters that several processes see.
+template <std::size_t count>
+class SharedSteps {
+ public:
+  SharedSteps() {
+    void* shared = mmap(nullptr, sizeof *steps_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    REQUIRE(shared != MAP_FAILED);
+    steps_ = new (shared) std::array<std::atomic<std::uint32_t>, count>();
+  }
+  ~SharedSteps() { munmap(steps_, sizeof *steps_); }
+  SharedSteps(const SharedSteps&) = delete;
+  SharedSteps& operator=(const SharedSteps&) = delete;
+  std::atomic<std::uint32_t>& operator[](std::size_t i) { return steps_->at(i); }
+
+  /// All make some steps within `limit`.
+  bool go_on(std::chrono::seconds limit = 10s) {
+    std::array<std::uint32_t, count> before{};
+    for (std::size_t i = 0; i < count; ++i) before.at(i) = steps_->at(i);
+    return test::eventually(limit, [&] {
+      for (std::size_t i = 0; i < count; ++i)
+        if (steps_->at(i) <= before.at(i) + 10) return false;
+      return true;
+    });
+  }
+
+ private:
+  std::array<std::atomic<std::uint32_t>, count>* steps_ = nullptr;
+};
+
 }  // namespace
 
 TEST_CASE("processes that stood still find each other again", "[standstill]") {
-  void* shared =
-      mmap(nullptr, sizeof(std::atomic<std::uint32_t>), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  REQUIRE(shared != MAP_FAILED);
-  auto& steps = *new (shared) std::atomic<std::uint32_t>(0);
-  const Child asks([&] { ask(steps); });
-  const Child answers([] { answer(); });
-  const auto goes_on = [&] {
-    const std::uint32_t before = steps;
-    return test::eventually(10s, [&] { return steps > before + 10; });
-  };
-  REQUIRE(goes_on());
+  SharedSteps<1> steps;
+  const Child asks([&] { ask(0, steps[0], 1s); });
+  const Child answers([] { answer(1s); });
+  REQUIRE(steps.go_on());
   RandomStream random(3, 0, "standstill");
   for (int round = 0; round < test::effort(12, 300); ++round) {
     const bool first = round % 3 != 1;
@@ -125,9 +155,32 @@ TEST_CASE("processes that stood still find each other again", "[standstill]") {
     (round % 2 == 0 ? asks : answers).send(SIGCONT);
     std::this_thread::sleep_for(lag);
     (round % 2 == 0 ? answers : asks).send(SIGCONT);
-    REQUIRE(goes_on());
+    REQUIRE(steps.go_on());
   }
-  munmap(shared, sizeof steps);
+}
+
+TEST_CASE("many forget one that has not forgotten them: they find it again", "[standstill]") {
+  constexpr std::size_t askers = 5;
+  SharedSteps<askers> steps;
+  std::vector<std::unique_ptr<Child>> asking;
+  for (std::size_t i = 0; i < askers; ++i)
+    asking.push_back(std::make_unique<Child>([&] { ask(static_cast<std::uint32_t>(i), steps[i], 1000s); }));
+  const Child answers([] { answer(300ms); });
+  REQUIRE(steps.go_on(30s));
+  for (int round = 0; round < test::effort(8, 100); ++round) {
+    INFO("round " << round);
+    answers.send(SIGSTOP);
+    std::this_thread::sleep_for(600ms);
+    // One after the other hears it again: what it then tells one disturbs those who have not asked yet.
+    for (const auto& one : asking) one->send(SIGSTOP);
+    answers.send(SIGCONT);
+    std::this_thread::sleep_for(20ms);
+    for (const auto& one : asking) {
+      one->send(SIGCONT);
+      std::this_thread::sleep_for(20ms);
+    }
+    REQUIRE(steps.go_on(20s));
+  }
 }
 
 }  // namespace aloft

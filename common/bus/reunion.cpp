@@ -1,0 +1,118 @@
+#include "common/bus/reunion.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace aloft::bus {
+namespace {
+
+// The list usually comes within 0.1 s.
+constexpr std::chrono::milliseconds first_patience{500};
+constexpr unsigned max_times_asked = 8;  // in four minutes: it speaks no such language, or has no endpoints any more
+constexpr std::size_t max_peers = 4096;
+constexpr std::size_t max_asked = 64;
+// A question: this text, and for each who is asked its 12 bytes and the number of the question.
+constexpr std::string_view question_mark = "aloft-who-are-you:";
+constexpr std::size_t number_bytes = 4;
+constexpr std::size_t entry_bytes = Reunion::Process::size + number_bytes;
+
+void append(Reunion::Question& question, const Reunion::Process& process, std::uint32_t number) {
+  question.insert(question.end(), process.value, process.value + Reunion::Process::size);
+  for (std::size_t i = 0; i < number_bytes; ++i) question.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
+}
+
+}  // namespace
+
+Reunion::Peer& Reunion::peer(const Process& process) {
+  if (peers_.size() >= max_peers && !peers_.contains(process))
+    std::erase_if(peers_, [](const auto& entry) { return entry.second.forgotten; });
+  return peers_[process];
+}
+
+void Reunion::heard(const Process& process, const std::string& name, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  Peer& who = peer(process);
+  who.name = name;
+  if (!std::exchange(who.forgotten, false)) return;
+  who.times_asked = 0;
+  who.due = now + first_patience;
+}
+
+void Reunion::forgotten(const Process& process) {
+  const std::lock_guard lock(mutex_);
+  Peer& who = peer(process);
+  who.forgotten = true;
+  who.due.reset();
+  who.writers.clear();
+  who.readers.clear();
+}
+
+void Reunion::left(const Process& process) {
+  const std::lock_guard lock(mutex_);
+  peers_.erase(process);
+  answered_.erase(process);
+}
+
+void Reunion::found(const Endpoint& endpoint, Kind kind) {
+  const std::lock_guard lock(mutex_);
+  Peer& who = peer(endpoint.guidPrefix);
+  (kind == Kind::writer ? who.writers : who.readers).insert(endpoint);
+  (kind == Kind::writer ? who.had_writers : who.had_readers) = true;
+}
+
+void Reunion::removed(const Endpoint& endpoint, Kind kind) {
+  const std::lock_guard lock(mutex_);
+  const auto at = peers_.find(endpoint.guidPrefix);
+  if (at != peers_.end()) (kind == Kind::writer ? at->second.writers : at->second.readers).erase(endpoint);
+}
+
+bool Reunion::waits() const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.due.has_value(); });
+}
+
+std::optional<Reunion::Question> Reunion::question(Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  Question question(question_mark.begin(), question_mark.end());
+  std::size_t asked = 0;
+  bool is_new = false;
+  for (auto& [process, who] : peers_) {
+    if (!who.due || asked == max_asked) continue;
+    if (now >= *who.due) {
+      if (who.complete() || who.times_asked == max_times_asked) {
+        who.due.reset();
+        continue;
+      }
+      who.due = now + first_patience * (1U << ++who.times_asked);
+      who.number = ++last_number_;
+      is_new = true;
+      spdlog::info("{} was silent and is back, but its endpoints are not: asks for them", who.name);
+    }
+    if (who.times_asked == 0) continue;
+    append(question, process, who.number);
+    ++asked;
+  }
+  return is_new ? std::optional(std::move(question)) : std::nullopt;
+}
+
+bool Reunion::asks(const Process& asker, const Question& question, const Process& self) {
+  if (question.size() < question_mark.size() ||
+      !std::equal(question_mark.begin(), question_mark.end(), question.begin()))
+    return false;
+  const std::lock_guard lock(mutex_);
+  for (std::size_t at = question_mark.size(); at + entry_bytes <= question.size(); at += entry_bytes) {
+    const auto entry = question.begin() + static_cast<std::ptrdiff_t>(at);
+    if (!std::equal(self.value, self.value + Process::size, entry)) continue;
+    std::uint32_t number = 0;
+    for (std::size_t i = 0; i < number_bytes; ++i)
+      number |= static_cast<std::uint32_t>(entry[static_cast<std::ptrdiff_t>(Process::size + i)]) << (8 * i);
+    if (answered_.size() >= max_peers) answered_.clear();
+    return std::exchange(answered_[asker], number) != number;
+  }
+  return false;
+}
+
+}  // namespace aloft::bus

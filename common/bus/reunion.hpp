@@ -1,0 +1,80 @@
+#pragma once
+
+// Inside common/bus only: processes that have lost sight of each other.
+
+#include <fastdds/rtps/common/Guid.h>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace aloft::bus {
+
+/// Fast DDS forgets a process that is silent for longer than its lease, and its writers and readers with it. When the
+/// process is heard again, the list of its endpoints has to come again. But where only one of the two had forgotten the
+/// other, the list may never come: it was received once, so the other side does not send it again, and this side waits
+/// for ever. (A heartbeat that arrives before the first request for the list makes the middleware go wrong: its issue
+/// 6401.)
+///
+/// So whoever misses a list asks for it by name, and whoever is asked announces all its endpoints anew. The question
+/// travels as user data of one of the asker's readers. That way is open: of two processes only the one that was the
+/// last to forget can miss anything.
+///
+/// May be used from any thread. No bus; the clock is passed in.
+class Reunion {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Process = eprosima::fastrtps::rtps::GuidPrefix_t;
+  using Endpoint = eprosima::fastrtps::rtps::GUID_t;
+  using Question = std::vector<std::uint8_t>;
+  enum class Kind : std::uint8_t { writer, reader };
+
+  // --- what the middleware says about others ---
+
+  void heard(const Process& process, const std::string& name, Clock::time_point now);
+  /// Its lease has expired.
+  void forgotten(const Process& process);
+  /// It has left in order.
+  void left(const Process& process);
+  void found(const Endpoint& endpoint, Kind kind);
+  void removed(const Endpoint& endpoint, Kind kind);
+
+  // --- asking ---
+
+  /// True as long as somebody is back whose list is missing.
+  [[nodiscard]] bool waits() const;
+  /// A new question to all whose list is due; nothing if none is. Logs whom it asks.
+  [[nodiscard]] std::optional<Question> question(Clock::time_point now);
+  /// Somebody's question. True if it is a new one, and to us.
+  bool asks(const Process& asker, const Question& question, const Process& self);
+
+ private:
+  struct Peer {
+    std::string name;
+    std::set<Endpoint> writers;
+    std::set<Endpoint> readers;
+    bool had_writers = false;
+    bool had_readers = false;
+    bool forgotten = false;
+    unsigned times_asked = 0;
+    std::uint32_t number = 0;              // of the latest question
+    std::optional<Clock::time_point> due;  // of the next question; none: nothing is missing
+
+    [[nodiscard]] bool complete() const noexcept {
+      return (!had_writers || !writers.empty()) && (!had_readers || !readers.empty());
+    }
+  };
+  Peer& peer(const Process& process);
+
+  mutable std::mutex mutex_;
+  std::map<Process, Peer> peers_;
+  std::map<Process, std::uint32_t> answered_;  // the latest question of each
+  std::uint32_t last_number_ = 0;
+};
+
+}  // namespace aloft::bus

@@ -16,6 +16,7 @@
 #include "common/bus/detail.hpp"
 #include "common/bus/keys.hpp"
 #include "common/bus/network.hpp"
+#include "common/bus/serial_reception.hpp"
 #include "common/bus/test_faults.hpp"
 
 namespace aloft::bus {
@@ -116,10 +117,11 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   udp->sendBufferSize = socket_buffer_bytes;
   udp->receiveBufferSize = socket_buffer_bytes;
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(with_test_faults(udp));
+  const auto network = with_test_faults(udp);
+  qos.transport().user_transports.push_back(options.secure.empty() ? network : with_serial_reception(network));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = duration(options.lease);
+  discovery.leaseDuration = duration(options.secure.empty() ? options.lease : secured_lease);
   discovery.leaseDuration_announcementperiod = duration(options.lease / 5);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = duration(std::chrono::milliseconds(50));

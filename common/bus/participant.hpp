@@ -23,8 +23,12 @@ struct BusOptions {
   bool serves_discovery = false;   ///< this process is that server
   std::filesystem::path secure{};  ///< folder with the keys (keys.hpp); empty: neither authentication nor encryption
   Role role = Role::observer;      ///< in a secured run
-  std::chrono::milliseconds lease{1000};  ///< a process that is silent for this long is forgotten
+  std::chrono::milliseconds lease{1000};  ///< a process that is silent for this long is forgotten; unless secured
 };
+
+/// A process of a secured run that is silent for this long is forgotten. Longer than any delay on a busy machine: the
+/// middleware cannot authenticate a second time with somebody who has not forgotten it too.
+inline constexpr std::chrono::milliseconds secured_lease{20'000};
 
 /// Samples of one topic that were refused in this process.
 struct Drops {

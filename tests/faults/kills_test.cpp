@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <iostream>
 #include <numeric>
 #include <thread>
 
@@ -28,20 +29,27 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 }  // namespace
 
 TEST_CASE("a random process of four workers is killed every 0.5 to 2 s", "[kills]") {
   const FaultScene scene(effort(20, 40));
   const int seeds = effort(20, 200);
 
-  auto started = Clock::now();
-  auto undisturbed = scene.start("undisturbed", {"--workers", "4"});
-  scene.check_finished("undisturbed", *undisturbed, 300s);
-  const double undisturbed_s = seconds_since(started);
-
   std::vector<double> times_s;
+  std::vector<double> undisturbed_s;  // measured again and again: the machine has other work, too
   int kills = 0;
   for (int seed = 0; seed < seeds; ++seed) {
+    auto started = Clock::now();
+    if (seed % 10 == 0) {
+      auto undisturbed = scene.start("undisturbed", {"--workers", "4"});
+      scene.check_finished("undisturbed", *undisturbed, 300s);
+      undisturbed_s.push_back(seconds_since(started));
+      std::filesystem::remove_all(scene.out("undisturbed"));
+    }
     RandomStream random(static_cast<std::uint64_t>(seed), 0, "kills");
     const std::string name = fmt::format("seed-{}", seed);
     started = Clock::now();
@@ -60,12 +68,14 @@ TEST_CASE("a random process of four workers is killed every 0.5 to 2 s", "[kills
     std::filesystem::remove_all(scene.out(name));
     times_s.push_back(seconds_since(started));
     kills += static_cast<int>(killed.size());
+    if (soak())
+      std::cout << fmt::format("seed {}: {} kills, {:.1f} s", seed, killed.size(), times_s.back()) << std::endl;
   }
-  const double mean_s = std::accumulate(times_s.begin(), times_s.end(), 0.0) / seeds;
+  const double ratio = mean(times_s) / mean(undisturbed_s);
   WARN(fmt::format("{} kills in {} runs; {:.1f} s per run, {:.1f} s undisturbed: {:.2f} times as long", kills, seeds,
-                   mean_s, undisturbed_s, mean_s / undisturbed_s));
+                   mean(times_s), mean(undisturbed_s), ratio));
   CHECK(kills >= seeds / 2);  // a fast machine finishes some runs before their first kill
-  if (soak()) CHECK(mean_s < 2.5 * undisturbed_s);
+  if (soak()) CHECK(ratio < 2.5);
 }
 
 TEST_CASE("the command itself is killed, and the same command goes on", "[kills]") {

@@ -2,10 +2,6 @@
 // share one core; this program, which plays coordinator and collector, has the others.
 // Usage: bus_worker [--benchmark_...]; the executables of the services stand beside it.
 #include <benchmark/benchmark.h>
-#include <sched.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -17,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/pinned_process.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
@@ -47,39 +44,6 @@ std::string generated_experiment() {
          agents_text + "}";
 }
 
-class Process {
- public:
-  Process(const std::string& program, const bus::BusOptions& place) {
-    const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    std::vector<std::string> arguments{"taskset",
-                                       "-c",
-                                       "0",
-                                       (folder / program).string(),
-                                       "--run",
-                                       place.run,
-                                       "--worker",
-                                       "w0",
-                                       "--domain",
-                                       std::to_string(place.domain),
-                                       "--die-with-parent"};
-    std::vector<char*> argv;
-    argv.reserve(arguments.size() + 1);
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    if (posix_spawnp(&pid_, "taskset", nullptr, nullptr, argv.data(), environ) != 0)
-      throw std::runtime_error("cannot start " + program);
-  }
-  ~Process() {
-    kill(pid_, SIGTERM);
-    waitpid(pid_, nullptr, 0);
-  }
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
-
- private:
-  pid_t pid_ = 0;
-};
-
 /// Keeps one worker busy and counts the steps of the flights that it delivers.
 class Driver {
  public:
@@ -97,7 +61,9 @@ class Driver {
     control.experiment_json(wire::bytes(experiment_.canonical.dump()));
     controls_.write(control);
     for (const char* program : {"aloft-environment", "aloft-channel", "aloft-baseline-agent"})
-      processes_.emplace_back(program, place_);
+      processes_.emplace_back("0", program,
+                              std::vector<std::string>{"--run", place_.run, "--worker", "w0", "--domain",
+                                                       std::to_string(place_.domain), "--die-with-parent"});
   }
 
   void fly(std::uint64_t flights) {
@@ -152,7 +118,7 @@ class Driver {
   bus::Reader<wire::EpisodeRecord> records_{participant_};
   bus::Reader<wire::WorkerStatus> statuses_{participant_};
   bus::Waiter waiter_;
-  std::deque<Process> processes_;
+  std::deque<bench::PinnedProcess> processes_;
   std::vector<std::uint64_t> sent_;
   std::set<std::uint64_t> seen_;
   std::uint64_t next_ = 1;

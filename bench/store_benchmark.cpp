@@ -2,12 +2,11 @@
 // is one fsync'ed append of as many bytes per batch.
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
-#include <stdlib.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <numeric>
 
+#include "bench/scene.hpp"
 #include "common/experiment/statistics.hpp"
 #include "common/store/result_store.hpp"
 
@@ -17,45 +16,12 @@ namespace {
 
 constexpr std::uint32_t batch_flights = 64;
 
-flight::FlightRecord flight_of_100_steps() {
-  flight::FlightRecord record;
-  record.pilots = {"random-walk"};
-  record.height_start_m = 40.0;
-  for (std::uint32_t step = 1; step <= 100; ++step)
-    record.steps.push_back({step,
-                            agents::Action::up,
-                            -505.0 + 10 * step,
-                            3.7,
-                            40.0 + step % 20,
-                            3,
-                            0.31 * step,
-                            4.1 + 0.01 * step,
-                            4.1 + 0.01 * step,
-                            0,
-                            {}});
-  return record;
-}
-
-/// A folder on the disk of the current directory, where results usually go.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::current_path() / "aloft-store-bench-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make a scratch folder");
-    path = pattern;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path path;
-};
-
 void store_flights(benchmark::State& state) {
-  const Folder folder;
+  const bench::Folder folder;
   const auto experiment =
       experiment::parse(R"({"name": "bench", "trials": 10000000, "world": {}, "agents": ["random-walk"]})", "bench");
   auto results = store::ResultStore::open_for_writing(folder.path / "out", experiment);
-  const std::string trace = store::encode_trace(flight_of_100_steps());
+  const std::string trace = bench::encoded_flight_of_100_steps();
   std::uint32_t trial = 0;
   for ([[maybe_unused]] auto _ : state)
     results.batch([&] {
@@ -67,8 +33,8 @@ void store_flights(benchmark::State& state) {
 BENCHMARK(store_flights)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void append_and_sync(benchmark::State& state) {
-  const Folder folder;
-  const std::string batch(store::encode_trace(flight_of_100_steps()).size() * batch_flights, 'x');
+  const bench::Folder folder;
+  const std::string batch(bench::encoded_flight_of_100_steps().size() * batch_flights, 'x');
   const int file = ::open((folder.path / "floor").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
   for ([[maybe_unused]] auto _ : state) {
     if (::write(file, batch.data(), batch.size()) < 0 || ::fdatasync(file) != 0) state.SkipWithError("cannot write");
@@ -79,7 +45,7 @@ void append_and_sync(benchmark::State& state) {
 BENCHMARK(append_and_sync)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void encode_flight(benchmark::State& state) {
-  const flight::FlightRecord record = flight_of_100_steps();
+  const flight::FlightRecord record = store::decode_trace(bench::encoded_flight_of_100_steps());
   for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(store::encode_trace(record));
 }
 BENCHMARK(encode_flight)->Unit(benchmark::kMicrosecond);

@@ -122,7 +122,8 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = duration(options.secure.empty() ? options.lease : secured_lease);
-  discovery.leaseDuration_announcementperiod = duration(options.lease / 5);
+  // Everybody tells everybody: with n processes on a host, n * n messages per period, also while nothing is flown.
+  discovery.leaseDuration_announcementperiod = duration(options.lease / 3);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = duration(std::chrono::milliseconds(50));
   if (!options.discovery_server.empty()) use_discovery_server(options, qos.wire_protocol());

@@ -23,7 +23,7 @@ struct BusOptions {
   bool serves_discovery = false;   ///< this process is that server
   std::filesystem::path secure{};  ///< folder with the keys (keys.hpp); empty: neither authentication nor encryption
   Role role = Role::observer;      ///< in a secured run
-  std::chrono::milliseconds lease{1000};  ///< a process that is silent for this long is forgotten; unless secured
+  std::chrono::milliseconds lease{1500};  ///< a process that is silent for this long is forgotten; unless secured
 };
 
 /// A process of a secured run that is silent for this long is forgotten. Longer than any delay on a busy machine: the
@@ -48,7 +48,7 @@ class Participant {
   [[nodiscard]] const BusOptions& options() const noexcept;
   /// Drops over all topics.
   [[nodiscard]] std::uint64_t drops() const;
-  /// Names of the runs in this domain of which a process is heard now, sorted; it takes some 0.2 s to hear them all.
+  /// Names of the runs in this domain of which a process is heard now, sorted; it takes up to 0.5 s to hear them all.
   [[nodiscard]] std::vector<std::string> runs() const;
 
   struct State;

@@ -306,6 +306,21 @@ void ResultStore::for_each_flight(const std::function<void(const FlightSummary&)
   state_->for_each_flight(visit);
 }
 
+std::optional<std::int64_t> ResultStore::visit_part(std::int64_t from, std::uint32_t limit,
+                                                    const std::function<void(const FlightSummary&)>& visit) const {
+  return with_errors_of(state_->file, [&]() -> std::optional<std::int64_t> {
+    SQLite::Statement rows(*state_->database, "SELECT * FROM flight WHERE id >= ? ORDER BY id LIMIT ?");
+    rows.bind(1, from);
+    rows.bind(2, limit);
+    std::optional<std::int64_t> last;
+    while (rows.executeStep()) {
+      visit(state_->summary_at(rows));
+      last = rows.getColumn(0).getInt64();
+    }
+    return last ? std::optional(*last + 1) : std::nullopt;
+  });
+}
+
 std::vector<FlightSummary> ResultStore::flights() const {
   std::vector<FlightSummary> flights;
   state_->for_each_flight([&](FlightSummary flight) { flights.push_back(std::move(flight)); });

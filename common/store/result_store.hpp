@@ -70,6 +70,10 @@ class ResultStore {
   [[nodiscard]] std::set<experiment::FlightKey> keys() const;
   /// One after the other in canonical order, without holding them all. Throws as flights().
   void for_each_flight(const std::function<void(const FlightSummary&)>& visit) const;
+  /// The same in parts, for readers that have other things to do in between: at most `limit` flights from `from` on (0:
+  /// the first). Returns where the next part begins; none: there is nothing more.
+  std::optional<std::int64_t> visit_part(std::int64_t from, std::uint32_t limit,
+                                         const std::function<void(const FlightSummary&)>& visit) const;
   /// Canonical order: condition, trial, then the experiment's order of agents. Throws IntegrityError if a row was
   /// altered.
   [[nodiscard]] std::vector<FlightSummary> flights() const;

@@ -96,6 +96,26 @@ TEST_CASE("flights come back in canonical order, whatever the order of storing")
   CHECK(results.trace(later) == flight_with(3.0));
 }
 
+TEST_CASE("flights can be visited in parts, while others are stored") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  for (const FlightKey& key : {first, second, later}) (void)results.add(key, flight_with(1.0));
+  const auto reader = ResultStore::open_for_reading(folder / "out");
+  std::vector<FlightKey> seen;
+  const auto visit = [&](const FlightSummary& flight) { seen.push_back(flight.key); };
+  const auto rest = reader.visit_part(0, 2, visit);
+  REQUIRE(rest);
+  CHECK(seen == std::vector{first, second});
+  const FlightKey last{1, 19, "constant-120"};
+  (void)results.add(last, flight_with(1.0));
+  (void)results.add({0, 1, "min-height"}, flight_with(1.0));
+  const auto end = reader.visit_part(*rest, 10, visit);
+  CHECK(seen == std::vector{first, second, {0, 1, "min-height"}, later, last});
+  REQUIRE(end);
+  CHECK_FALSE(reader.visit_part(*end, 10, visit));
+  CHECK(seen.size() == 5);
+}
+
 TEST_CASE("the digest depends on what was flown, not on the order or number of sessions") {
   const Folder folder;
   std::string one_go;

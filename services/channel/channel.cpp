@@ -73,7 +73,7 @@ struct Channel::State {
   void run() {
     auto next_tick = Clock::now();
     while (!stop.requested() && !follower.over()) {
-      waiter.wait(tick_period);
+      waiter.wait(time_to_wait());
       now = Clock::now();
       if (follower.update()) begin();
       if (!experiment) continue;
@@ -95,6 +95,14 @@ struct Channel::State {
       if (changed || now >= next_status) publish_status(capacity());
     }
     if (experiment) leave();
+  }
+
+  /// With nothing in the air or to be stored, only the next status is due.
+  [[nodiscard]] std::chrono::milliseconds time_to_wait() const {
+    if (!experiment) return status_period;
+    if (!trials.all().empty() || outbox.size() > 0) return tick_period;
+    return std::clamp(std::chrono::ceil<std::chrono::milliseconds>(next_status - Clock::now()),
+                      std::chrono::milliseconds(0), status_period);
   }
 
   /// Says that this worker leaves, so that its trials go to others at once; what it has flown still arrives.

@@ -67,7 +67,7 @@ void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
   const HeartbeatResult result = ledger_.heartbeat(report, now);
   const std::string name(report.name);
   if (report.capacity == 0) {
-    workers_.erase(name);
+    forget(name);
     if (result.left)
       spdlog::info("worker {} has left{}{}", name,
                    result.lost.empty() ? "" : "; to be flown by others: ", trial_names(result.lost));
@@ -76,7 +76,7 @@ void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
   count_steps(news);
   workers_.find(name)->second.flies = std::move(report.flies);
   worker_seen_ = now;
-  if (records_unconfirmed() == 0) stored_at_ = now;
+  if (records_unconfirmed_ == 0) stored_at_ = now;
   if (result.joined)
     spdlog::info("worker {} is here (process {}); {} workers", name, news.report.incarnation, workers_.size());
   if (!result.adopted.empty()) spdlog::info("worker {} is flying {}", name, trial_names(result.adopted));
@@ -199,17 +199,18 @@ std::string Coordinator::waiting_for(Clock::time_point now) const {
   }
   if (const auto silence = now - stored_at_; silence >= options_.patience)
     return fmt::format("{} finished flights have not been stored for {:.0f} s; waiting for aloft-metrics",
-                       records_unconfirmed(), seconds(silence));
+                       records_unconfirmed_, seconds(silence));
   if (!unserved_.empty() && now - unserved_since_ >= options_.patience) return unserved_;
   for (const auto& [name, worker] : workers_)
     if (!worker.waits_for.empty()) return fmt::format("worker {} waits for {}", name, worker.waits_for);
   return "";
 }
 
-std::uint64_t Coordinator::records_unconfirmed() const {
-  std::uint64_t records = 0;
-  for (const auto& [name, worker] : workers_) records += worker.records_unconfirmed;
-  return records;
+void Coordinator::forget(std::string_view worker) {
+  const auto at = workers_.find(worker);
+  if (at == workers_.end()) return;
+  records_unconfirmed_ -= at->second.records_unconfirmed;
+  workers_.erase(at);
 }
 
 std::vector<bool> Coordinator::flies(const WorkerNews& news) const {
@@ -245,6 +246,7 @@ void Coordinator::count_steps(const WorkerNews& news) {
   }
   if (news.steps_done > worker.steps_done) steps_.count += news.steps_done - worker.steps_done;
   worker.steps_done = news.steps_done;
+  records_unconfirmed_ += std::uint64_t{news.records_unconfirmed} - worker.records_unconfirmed;
   worker.records_unconfirmed = news.records_unconfirmed;
   worker.waits_for = news.waits_for;
 }
@@ -265,7 +267,7 @@ void Coordinator::take_failures(const WorkerNews& news, Clock::time_point now) {
 
 void Coordinator::tell_lost(const std::vector<LostWorker>& lost, Clock::time_point now) {
   for (const LostWorker& worker : lost) {
-    workers_.erase(worker.name);
+    forget(worker.name);
     trouble(fmt::format("worker {} has been silent for {:.1f} s; {}", worker.name, seconds(worker.silent_for),
                         worker.leases.empty() ? "it flew nothing" : trial_names(worker.leases) + " to be flown again"),
             now);

@@ -105,7 +105,7 @@ class Coordinator {
   [[nodiscard]] std::string trial_names(const std::vector<std::uint64_t>& leases) const;
   [[nodiscard]] std::string missing_agents(std::uint32_t condition, std::uint32_t trial) const;
   [[nodiscard]] std::string waiting_for(Clock::time_point now) const;
-  [[nodiscard]] std::uint64_t records_unconfirmed() const;
+  void forget(std::string_view worker);
   [[nodiscard]] std::vector<bool> flies(const WorkerNews& news) const;
   void find_unserved(Clock::time_point now);
   void count_steps(const WorkerNews& news);
@@ -118,6 +118,7 @@ class Coordinator {
   LeaseLedger ledger_;
   std::map<std::string, std::uint32_t, std::less<>> agent_index_;
   std::map<std::string, WorkerProgress, std::less<>> workers_;
+  std::uint64_t records_unconfirmed_ = 0;  // of all workers
   std::vector<Order> cancellations_;
   Clock::time_point grant_from_;
   Clock::time_point worker_seen_;  // last time that one was alive

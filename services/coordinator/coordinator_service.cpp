@@ -24,9 +24,10 @@ constexpr auto tick_time = 50ms;
 constexpr auto status_time = 500ms;
 constexpr auto status_time_on_change = 100ms;
 constexpr auto say_again_time = 10s;
-constexpr auto farewell_time = 1s;   // for the last message to arrive
-constexpr auto database_time = 10s;  // for the collector to make the database
-constexpr auto reread_delay = 1s;    // until both sides of a new connection know each other
+constexpr auto farewell_time = 1s;              // for the last message to arrive
+constexpr auto database_time = 10s;             // for the collector to make the database
+constexpr auto reread_delay = 1s;               // until both sides of a new connection know each other
+constexpr std::uint32_t reread_flights = 5000;  // at a time: some 20 ms
 constexpr std::size_t failures_told = 20;
 
 /// The collector's database, if there is one yet. The collector may be making it at this moment, so errors count only
@@ -82,7 +83,10 @@ class Conversation {
     waiter_.add(collector_);
     // Only now, with the readers in place: what is stored while we read comes over the bus.
     std::size_t resumed = 0;
-    read_database([&](const experiment::FlightKey& flight) { resumed += coordinator_.resume(flight) ? 1U : 0U; });
+    open_database(database_, options_.results, experiment_, waiter_, stop_);
+    if (database_)
+      database_->for_each_flight(
+          [&](const store::FlightSummary& flight) { resumed += coordinator_.resume(flight.key) ? 1U : 0U; });
     spdlog::info("experiment {} ({}): {} flights, {} of them stored", experiment.name, experiment.id,
                  coordinator_.progress(Clock::now()).flights_total, resumed);
   }
@@ -91,7 +95,7 @@ class Conversation {
     say(wire::RUN_RUNNING);
     notifier_.ready(fmt::format("hands out experiment {}", experiment_.name));
     while (!stop_.requested() && !coordinator_.over() && collector_failure_.empty()) {
-      waiter_.wait(tick_time);
+      waiter_.wait(reread_from_ ? 0ms : tick_time);
       notifier_.alive();
       listen();
       const auto now = Clock::now();
@@ -134,19 +138,19 @@ class Conversation {
     const std::size_t collectors = stored_.matched();
     if (collectors > collectors_) reread_at_ = now + reread_delay;
     collectors_ = collectors;
-    if (now < reread_at_) return;
+    if (now >= reread_at_) reread_from_ = 0;
+    if (!reread_from_) return;
     reread_at_ = Clock::time_point::max();
-    read_database([&](const experiment::FlightKey& flight) { coordinator_.on_flight_stored(flight, now); });
-  }
-
-  template <class Visit>
-  void read_database(Visit&& visit) {
     open_database(database_, options_.results, experiment_, waiter_, stop_);
-    if (!database_) return;
-    database_->for_each_flight([&](const store::FlightSummary& flight) { visit(flight.key); });
+    if (!database_) return reread_from_.reset();
+    // In parts: workers must not seem silent meanwhile.
+    reread_from_ = database_->visit_part(*reread_from_, reread_flights, [&](const store::FlightSummary& flight) {
+      coordinator_.on_flight_stored(flight.key, now);
+    });
   }
 
   void publish_status(Clock::time_point now) {
+    if (now - told_at_ < status_time_on_change) return;
     const Progress progress = coordinator_.progress(now);
     const bool changed = progress.flights_stored != told_.flights_stored || progress.message != told_.message ||
                          progress.workers_alive != told_.workers_alive;
@@ -239,6 +243,7 @@ class Conversation {
   Clock::time_point worker_seen_;
   std::size_t collectors_ = 0;
   Clock::time_point reread_at_ = Clock::time_point::max();
+  std::optional<std::int64_t> reread_from_;  // while the database is reread
   Progress told_;
   Clock::time_point told_at_;
   Clock::time_point said_at_;

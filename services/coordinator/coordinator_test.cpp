@@ -155,6 +155,14 @@ TEST_CASE("the status names whom the run waits for", "[coordinator]") {
   CHECK(coordinator.progress(start + 14s).message ==
         "3 finished flights have not been stored for 4 s; waiting for aloft-metrics");
 
+  WorkerNews other = news("w1", leases);
+  other.records_unconfirmed = 2;
+  coordinator.on_worker(other, start + 14s);
+  CHECK_THAT(coordinator.progress(start + 14s).message, Catch::Contains("5 finished flights"));
+  other.report.capacity = 0;  // it leaves
+  coordinator.on_worker(other, start + 14s);
+  CHECK_THAT(coordinator.progress(start + 14s).message, Catch::Contains("3 finished flights"));
+
   (void)coordinator.tick(start + 15500ms);  // 3.5 s after its last report
   CHECK(coordinator.progress(start + 15500ms).workers_alive == 0);
   CHECK_THAT(coordinator.progress(start + 15500ms).message, Catch::Contains("worker w0 has been silent for 3.5 s"));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
@@ -163,6 +164,7 @@ class Conversation {
   }
 
   void confirm(const Acknowledgement& done) {
+    if (!std::exchange(has_stored_, true)) spdlog::info("has stored its first flight, of agent {}", done.key.agent);
     wire::EpisodeStored stored;
     stored.experiment_id(wire::experiment_id(experiment_.id));
     stored.episode_id(done.episode_id);
@@ -242,6 +244,7 @@ class Conversation {
   bus::Reader<wire::RunStatus> runs_{participant_};
   std::unique_ptr<HttpServer> http_;
   bool over_ = false;
+  bool has_stored_ = false;
   bool was_paused_ = false;
   Clock::time_point told_at_;
   Clock::time_point said_at_;

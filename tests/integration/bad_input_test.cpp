@@ -113,6 +113,9 @@ TEST_CASE("a wrong flag or command is refused with the nearest valid one") {
   const Finished flag = run_command({"aloft", "run", "data/experiments/quick.json", "--wrkers", "2"});
   CHECK(flag.exit_code == 2);
   CHECK_THAT(flag.err, Contains("--wrkers") && Contains("--workers"));
+  const Finished threads = run_command({"aloft", "worker", "--join", "x", "--learner-threads", "0"});
+  CHECK(threads.exit_code == 2);
+  CHECK_THAT(threads.err, Contains("--learner-threads") && Contains("256"));
   const Finished command = run_command({"aloft", "validat"});
   CHECK(command.exit_code == 2);
   CHECK_THAT(command.err, Contains("validate"));

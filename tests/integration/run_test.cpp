@@ -4,10 +4,13 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
+#include "common/base/cores.hpp"
 #include "tests/integration/command.hpp"
 
+using aloft::usable_cores;
 using aloft::test::Command;
 using aloft::test::Finished;
 using aloft::test::read_text;
@@ -72,6 +75,19 @@ std::vector<std::string> shared_memory_files() {
   return names;
 }
 
+/// What the learning agents of a run were started with.
+std::set<unsigned> learner_threads(const std::string& out) {
+  const std::string flag = std::string("--threads") + '\0';
+  std::set<unsigned> threads;
+  for (const int pid : aloft::test::processes_with(out)) {
+    const std::string command = read_text("/proc/" + std::to_string(pid) + "/cmdline");
+    const std::size_t at = command.find(flag);
+    if (command.find("aloft-learning-agent") != std::string::npos && at != std::string::npos)
+      threads.insert(static_cast<unsigned>(std::stoul(command.substr(at + flag.size()))));
+  }
+  return threads;
+}
+
 }  // namespace
 
 TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resumed after Ctrl-C") {
@@ -79,7 +95,7 @@ TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resum
   const std::string reference = scene.digest("in-process", {"--in-process", "--workers", "2"});
   CHECK(reference.size() == 65);
   CHECK(scene.digest("in-process-1", {"--in-process", "--workers", "1"}) == reference);
-  CHECK(scene.digest("one", {"--workers", "1"}) == reference);
+  CHECK(scene.digest("one", {"--workers", "1", "--learner-threads", "3"}) == reference);
   CHECK(scene.digest("two-shuffled", {"--workers", "2", "--shuffled"}) == reference);
   CHECK(scene.digest("four", {"--workers", "4"}) == reference);
 
@@ -89,6 +105,7 @@ TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resum
          !std::filesystem::exists(scene.scratch / "resumed" / "log"))
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  if (interrupted.running()) CHECK(learner_threads(scene.out("resumed")) == std::set{std::max(1U, usable_cores() / 2)});
   const auto stopped = std::chrono::steady_clock::now();
   interrupted.send(SIGINT);
   const Finished finished = interrupted.wait(std::chrono::seconds(10));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <thread>
@@ -41,7 +42,8 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
-    const LocalRun local{dir, options.workers, options.fail_fast, options.shuffled, options.bus};
+    const LocalRun local{
+        dir, options.workers, options.learner_threads_per_worker(), options.fail_fast, options.shuffled, options.bus};
     complete = run_local(local, experiment, progress, interrupted, failures);
   }
   progress.finish();
@@ -52,6 +54,10 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
 
 FlyingOptions::FlyingOptions() : workers(usable_cores()) {}
 
+unsigned FlyingOptions::learner_threads_per_worker() const {
+  return learner_threads > 0 ? learner_threads : std::max(1U, usable_cores() / std::max(1U, workers));
+}
+
 void FlyingOptions::add_to(CLI::App& command) {
   command
       .add_option("--workers", workers,
@@ -59,6 +65,10 @@ void FlyingOptions::add_to(CLI::App& command) {
                   "--in-process: threads")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
+  command
+      .add_option("--learner-threads", learner_threads,
+                  "Flights that each worker learns from at the same time; the bytes are the same [cores / workers]")
+      ->check(CLI::Range(1, 256));
   command.add_option("--fail-fast", fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")
       ->capture_default_str();
   command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");

@@ -12,6 +12,7 @@ namespace aloft::cli {
 /// How an experiment is flown on this machine.
 struct FlyingOptions {
   unsigned workers = 1;
+  unsigned learner_threads = 0;  ///< of each worker; 0: an equal share of the cores
   unsigned fail_fast = 0;
   bool in_process = false;
   bool shuffled = false;
@@ -19,6 +20,7 @@ struct FlyingOptions {
 
   FlyingOptions();  ///< a worker per core
   void add_to(CLI::App& command);
+  [[nodiscard]] unsigned learner_threads_per_worker() const;
 };
 
 /// Flies what is missing in `dir` of this experiment and shows progress; Ctrl-C stops it. Writes summary.json and

@@ -36,12 +36,16 @@ void Processes::add_decider(const std::string& program, const std::vector<std::s
   decider_ = program;
 }
 
-void Processes::add_worker(const std::string& worker, const std::vector<std::string>& agents) {
+void Processes::add_worker(const std::string& worker, unsigned learner_threads,
+                           const std::vector<std::string>& agents) {
   std::vector<std::string> only;
   if (!agents.empty()) only = {"--agents", fmt::format("{}", fmt::join(agents, ","))};
+  std::vector<std::string> learners = only;
+  learners.insert(learners.end(), {"--threads", std::to_string(learner_threads)});
   add("aloft-environment", worker, {});
-  for (const char* program : {"aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
-    add(program, worker, only);
+  add("aloft-channel", worker, only);
+  add("aloft-learning-agent", worker, learners);
+  add("aloft-baseline-agent", worker, only);
 }
 
 void Processes::add(const std::string& program, const std::string& worker, const std::vector<std::string>& more) {

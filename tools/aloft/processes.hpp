@@ -27,8 +27,8 @@ class Processes {
   void add(const std::string& program, const std::vector<std::string>& more);
   /// A service that decides when all is over: it is not started again when it ends by itself.
   void add_decider(const std::string& program, const std::vector<std::string>& more);
-  /// The four processes of a worker that flies only these agents; none named: all.
-  void add_worker(const std::string& worker, const std::vector<std::string>& agents = {});
+  /// The four processes of a worker that learns in so many threads and flies only these agents; none named: all.
+  void add_worker(const std::string& worker, unsigned learner_threads, const std::vector<std::string>& agents = {});
   void start_all();
 
   /// Starts again what died. Returns a line for each death. Who ends in good order has heard that the run is over; it

@@ -22,7 +22,7 @@ constexpr std::chrono::milliseconds poll_period{100};
 constexpr std::chrono::milliseconds redraw_period{500};
 constexpr std::chrono::milliseconds record_period{1000};
 constexpr std::chrono::milliseconds plain_line_period{5000};
-// Processes announce themselves five times a second; news of a run come twice a second.
+// Processes announce themselves twice a second; news of a run come twice a second.
 constexpr std::chrono::milliseconds settle_time{1000};
 
 struct StatusOptions {

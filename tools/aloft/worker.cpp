@@ -10,6 +10,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "common/base/cores.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "common/bus/endpoint.hpp"
@@ -36,6 +37,7 @@ struct WorkerOptions {
   std::string name;
   bool named = false;  // by the user
   std::vector<std::string> agents;
+  unsigned learner_threads = usable_cores();
   std::filesystem::path log_dir;
   double wait_s = 300.0;
 };
@@ -66,7 +68,7 @@ class Membership {
         seen_at_(std::time(nullptr)) {
     waiter_.add(follower_.reader());
     waiter_.add(statuses_);
-    processes_.add_worker(options.name, options.agents);
+    processes_.add_worker(options.name, options.learner_threads, options.agents);
   }
 
   int run() {
@@ -196,6 +198,12 @@ void add_worker(CLI::App& app, Job& job) {
       ->required();
   command->add_option("--agents", options->agents, "Fly only these agents of the experiment, e.g. dqn,min-height [all]")
       ->delimiter(',');
+  command
+      ->add_option("--learner-threads", options->learner_threads,
+                   "Flights learnt from at the same time; give each of several workers on one host its share of the "
+                   "cores")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   command->add_option("--name", options->name, "Name of the worker, unique in the run [HOST-PID]");
   command->add_option("--log-dir", options->log_dir, "Folder for the logs of its processes [log/NAME]");
   command

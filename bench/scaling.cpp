@@ -1,6 +1,6 @@
 // Flights per second of aloft run with one worker on one core and with two workers on two cores, in turns: with DQN
 // flights, where learning is all, and without, where the conversation over DDS is.
-// Usage: scaling [DOMAIN]; the executables stand beside it. Three minutes.
+// Usage: scaling [DOMAIN [TURNS]]; the executables stand beside it. Three minutes.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -27,7 +27,6 @@ using namespace aloft;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr int rounds = 3;
 constexpr auto start_limit = 30s;
 constexpr auto warm_up = 3s;
 constexpr auto measured_time = 10s;
@@ -104,11 +103,11 @@ double flights_per_s(const Kind& kind, unsigned workers, int domain) {
   return rate / steps_per_flight;
 }
 
-void measure(const Kind& kind, int domain) {
+void measure(const Kind& kind, int domain, int turns) {
   std::vector<double> one;
   std::vector<double> two;
   std::vector<double> ratios;
-  for (int round = 0; round < rounds; ++round) {
+  for (int turn = 0; turn < turns; ++turn) {
     one.push_back(flights_per_s(kind, 1, domain));
     two.push_back(flights_per_s(kind, 2, domain));
     ratios.push_back(two.back() / one.back());
@@ -129,8 +128,9 @@ int main(int argc, char** argv) {
   try {
     if (usable_cores() < 2) throw InputError("scaling needs two cores");
     const int domain = argc > 1 ? std::stoi(argv[1]) : 59;
+    const int turns = argc > 2 ? std::stoi(argv[2]) : 3;
     fmt::print("{:<18} {:>14} {:>14} {:>8}\n", "flights per s", "1 on 1 core", "2 on 2 cores", "ratio");
-    for (const Kind& kind : kinds) measure(kind, domain);
+    for (const Kind& kind : kinds) measure(kind, domain, turns);
     return exit_ok;
   } catch (const std::exception& error) {
     fmt::print(stderr, "scaling: {}\n", error.what());

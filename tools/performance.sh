@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures where the time goes on this machine and writes docs/performance.md. About ten minutes; best when nothing else
-# runs.
+# Measures where the time goes on this machine and writes docs/performance.md. About fifteen minutes, 5 GB of disk for the
+# largest database; best when nothing else runs.
 #   tools/performance.sh [FILE]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,7 +9,8 @@ domain=${ALOFT_PERFORMANCE_DOMAIN:-59}  # of the runs over DDS
 
 [ -f build/build.ninja ] || cmake --preset release
 cmake --build build --target aloft aloft-environment aloft-channel aloft-learning-agent aloft-baseline-agent aloft-coordinator \
-  aloft-metrics learn_benchmark flight_parts radio_benchmark bus_round_trip bus_worker >&2
+  aloft-metrics learn_benchmark flight_parts radio_benchmark bus_round_trip bus_worker scaling coordinator_benchmark \
+  fake_workers >&2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 bin=build/bin
@@ -107,16 +108,55 @@ TEXT
 The four processes of a worker share most of their memory, the libraries; the sum of their peaks counts those four times.
 TEXT
 
-  say "start ..."
+  say "start and memory ..."
   cat << 'TEXT'
 
-## Start
-Four workers and one short flight for each, from the command to its table: 18 processes that find each other.
+## Start and memory
+`bench/start.sh`: four workers, that is 19 processes that find each other, from the command to the first flight in the
+database; and what one worker takes while it flies eight agents (PSS: shared pages count by their share).
+TEXT
+  bench/start.sh 4 5 "$domain" | code
+  cat << 'TEXT'
+
+The whole of such a run, with one short flight for each worker, up to its table:
 
 | process | CPU s | share | peak MB |
 |---|---|---|---|
 TEXT
   profile start data/experiments/quick.json --trials 1 --agents min-height --workers 4 | whole_names
+
+  say "scaling ..."
+  cat << 'TEXT'
+
+## Scaling
+`build/bin/scaling`: flights per second of `aloft run` with one worker and all other processes on one core, and with two
+workers on two cores, in turns (in brackets: every turn's ratio). `aloft run` gives each of its workers an equal share of
+the cores for learning (`--learner-threads`).
+TEXT
+  (cd build && bin/scaling "$domain") | code
+
+  say "idling ..."
+  cat << 'TEXT'
+
+## Doing nothing
+`bench/idle.sh`: CPU of processes with nothing to fly. Most of it is middleware: every process tells every other one twice
+a second that it is there, so it grows with the processes in a domain.
+TEXT
+  bench/idle.sh 2 20 "$domain" | code
+
+  say "coordinator ..."
+  cat << 'TEXT'
+
+## Growth of the coordinator
+`build/bin/coordinator_benchmark`: coordinator and database without a bus; all workers are played and fly in no time, one
+flight of 100 steps per trial, 64 per durable commit. CPU us, wall us and bytes per trial must not grow with the trials.
+Restart: opening (SQLite checks the whole database) and reading it, when all flights are there.
+TEXT
+  (cd build && bin/coordinator_benchmark) | code
+  echo
+  echo "The same over DDS with the real coordinator and collector (\`build/bin/fake_workers\`); with few workers, the collector's"
+  echo "commits every 50 ms are what is waited for:"
+  (cd build && bin/fake_workers) | code
 
   say "bus ..."
   cat << 'TEXT'

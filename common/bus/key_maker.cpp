@@ -26,36 +26,6 @@ constexpr std::time_t clock_skew_s = 10 * 60;  // clocks of other hosts may be b
 constexpr mode_t public_mode = 0644;
 constexpr mode_t private_mode = 0600;
 
-/// What is protected how. Everybody authenticates; discovery, liveliness and every message are encrypted; on top of
-/// that each writer has a key of its own, which only permitted readers are given.
-constexpr const char* governance_xml = R"(<?xml version="1.0" encoding="UTF-8"?>
-<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
-  <domain_access_rules>
-    <domain_rule>
-      <domains>
-        <id_range><min>0</min><max>101</max></id_range>
-      </domains>
-      <allow_unauthenticated_participants>false</allow_unauthenticated_participants>
-      <enable_join_access_control>true</enable_join_access_control>
-      <discovery_protection_kind>ENCRYPT</discovery_protection_kind>
-      <liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>
-      <rtps_protection_kind>ENCRYPT</rtps_protection_kind>
-      <topic_access_rules>
-        <topic_rule>
-          <topic_expression>*</topic_expression>
-          <enable_discovery_protection>true</enable_discovery_protection>
-          <enable_liveliness_protection>true</enable_liveliness_protection>
-          <enable_read_access_control>true</enable_read_access_control>
-          <enable_write_access_control>true</enable_write_access_control>
-          <metadata_protection_kind>ENCRYPT</metadata_protection_kind>
-          <data_protection_kind>NONE</data_protection_kind>
-        </topic_rule>
-      </topic_access_rules>
-    </domain_rule>
-  </domain_access_rules>
-</dds>
-)";
-
 /// For failures of OpenSSL that no input can cause.
 void check(bool good, const char* what) {
   if (!good) throw std::runtime_error(fmt::format("OpenSSL failed: {}", what));
@@ -163,6 +133,10 @@ std::string topic_rules(const char* direction, Role role, Roles TopicSettings::*
       direction, topics);
 }
 
+void write_governance(const fs::path& dir) {
+  write_file(dir / "governance.p7s", sign_document(dir, governance_xml()), public_mode);
+}
+
 }  // namespace
 
 std::string permissions_xml(const Identity& identity, const std::string& subject) {
@@ -191,6 +165,37 @@ std::string permissions_xml(const Identity& identity, const std::string& subject
       to_text(identity.role), subject, fmt::gmtime(first - 2 * day_s), fmt::gmtime(first + (identity.days + 1) * day_s),
       topic_rules("publish", identity.role, &TopicSettings::writers),
       topic_rules("subscribe", identity.role, &TopicSettings::readers));
+}
+
+const std::string& governance_xml() {
+  static const std::string text = R"(<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
+  <domain_access_rules>
+    <domain_rule>
+      <domains>
+        <id_range><min>0</min><max>101</max></id_range>
+      </domains>
+      <allow_unauthenticated_participants>false</allow_unauthenticated_participants>
+      <enable_join_access_control>true</enable_join_access_control>
+      <discovery_protection_kind>ENCRYPT</discovery_protection_kind>
+      <liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>
+      <rtps_protection_kind>NONE</rtps_protection_kind>
+      <topic_access_rules>
+        <topic_rule>
+          <topic_expression>*</topic_expression>
+          <enable_discovery_protection>true</enable_discovery_protection>
+          <enable_liveliness_protection>true</enable_liveliness_protection>
+          <enable_read_access_control>true</enable_read_access_control>
+          <enable_write_access_control>true</enable_write_access_control>
+          <metadata_protection_kind>ENCRYPT</metadata_protection_kind>
+          <data_protection_kind>NONE</data_protection_kind>
+        </topic_rule>
+      </topic_access_rules>
+    </domain_rule>
+  </domain_access_rules>
+</dds>
+)";
+  return text;
 }
 
 std::string sign_document(const fs::path& dir, const std::string& text) {
@@ -223,7 +228,7 @@ void init_keys(const fs::path& dir, int days) {
   check(X509_sign(self, key.get(), EVP_sha256()) > 0, "signing a certificate");
   write_file(dir / "ca.key.pem", pem(key.get()), private_mode);
   write_file(dir / "ca.cert.pem", pem(self), public_mode);
-  write_file(dir / "governance.p7s", sign_document(dir, governance_xml), public_mode);
+  write_governance(dir);
 }
 
 void issue_keys(const fs::path& dir, const Identity& identity, const fs::path& out) {
@@ -237,6 +242,7 @@ void issue_keys(const fs::path& dir, const Identity& identity, const fs::path& o
   add_extension(own, authority.certificate.get(), NID_key_usage, "critical,digitalSignature,keyAgreement");
   check(X509_sign(own, authority.key.get(), EVP_sha256()) > 0, "signing a certificate");
 
+  write_governance(dir);  // the authority may be older than this program
   const fs::path folder = out / to_text(identity.role);
   make_folder(folder);
   write_file(folder / "key.pem", pem(key.get()), private_mode);

@@ -120,6 +120,12 @@ std::string check_document(const fs::path& file, X509* authority, const std::str
   return openssl::text_of(plain.get());
 }
 
+/// Text mode of S/MIME ends lines with CR LF.
+std::string without_cr(std::string text) {
+  std::erase(text, '\r');
+  return text;
+}
+
 std::string between(const std::string& text, std::string_view first, std::string_view last) {
   const std::size_t begin = text.find(first);
   const std::size_t end = text.find(last);
@@ -149,7 +155,9 @@ KeyFiles check_keys(const fs::path& dir, Role role) {
   const openssl::Certificate authority = read_certificate(files.ca, renew);
   check_dates(authority.get(), files.ca, renew);
   files.authority = entry(authority.get(), NID_commonName);
-  check_document(files.governance, authority.get(), renew);
+  if (without_cr(check_document(files.governance, authority.get(), reissue)) != governance_xml())
+    throw InputError(fmt::format("{}: was made by another version of Aloft, or for something else; {}",
+                                 files.governance.string(), reissue));
   const openssl::Certificate certificate = read_certificate(files.certificate, reissue);
   check_certificate(certificate.get(), authority.get(), files.certificate, role, reissue);
   check_private(files.private_key, certificate.get(), reissue);

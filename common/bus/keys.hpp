@@ -48,6 +48,12 @@ void issue_keys(const std::filesystem::path& dir, const Identity& identity, cons
 /// The permissions of an identity as DDS Security writes them; `subject`: of its certificate.
 [[nodiscard]] std::string permissions_xml(const Identity& identity, const std::string& subject);
 
+/// What is protected how, as DDS Security writes it: everybody authenticates, and each endpoint, those of discovery and
+/// liveliness too, encrypts all its messages with a key of its own, which is given to those alone who are permitted to
+/// read or write there. (One key for all messages of a process, rtps_protection_kind, would add nothing against who
+/// has it, and the middleware sizes its buffers wrongly then.)
+[[nodiscard]] const std::string& governance_xml();
+
 /// Signs `text` with the authority of `dir`, as governance and permissions must be.
 [[nodiscard]] std::string sign_document(const std::filesystem::path& dir, const std::string& text);
 

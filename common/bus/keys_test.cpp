@@ -52,6 +52,7 @@ TEST_CASE("every topic names who writes and who reads it", "[keys]") {
     INFO(to_text(role));
     CHECK(topic_settings<wire::TrialAssignment>().writers.contain(role) == (role == Role::coordinator));
     CHECK(topic_settings<wire::RunControl>().writers.contain(role) == (role == Role::coordinator));
+    CHECK(topic_settings<wire::SwapRequest>().writers.contain(role) == (role == Role::run_operator));
     CHECK(topic_settings<wire::EpisodeStored>().writers.contain(role) == (role == Role::metrics));
     CHECK(topic_settings<wire::HeightCommand>().writers.contain(role) ==
           (role == Role::learning_agent || role == Role::baseline_agent));
@@ -70,6 +71,8 @@ TEST_CASE("permissions are the table of topics, seen from one role", "[keys]") {
   CHECK_THAT(reads, Contains("<topic>RunControl</topic>") && Contains("<topic>TrialAssignment</topic>") &&
                         !Contains("<topic>World</topic>") && Contains("<default>DENY</default>"));
   CHECK_THAT(permissions_xml({.role = Role::observer, .name = "x"}, "CN=x"), !Contains("<publish>"));
+  const std::string orders = permissions_xml({.role = Role::run_operator, .name = "x"}, "CN=x");
+  CHECK_THAT(orders, Contains("<topics>\n            <topic>SwapRequest</topic>\n          </topics>"));
 }
 
 TEST_CASE("good keys are taken, also from the folder for another host", "[keys]") {
@@ -154,6 +157,16 @@ TEST_CASE("keys that are missing, open, old, of another role or altered are refu
     test::write_text(file("permissions.p7s"), text);
     CHECK_THAT(scene.refusal(),
                Contains("permissions.p7s: was not signed by the authority in ca.cert.pem, or was altered"));
+  }
+  SECTION("another governance, though signed") {
+    std::string text = governance_xml();
+    const std::size_t at = text.find("<metadata_protection_kind>ENCRYPT");
+    REQUIRE(at != std::string::npos);
+    text.replace(at, 33, "<metadata_protection_kind>NONE");
+    test::write_text(scene.dir / "governance.p7s", sign_document(scene.dir, text));
+    CHECK_THAT(scene.refusal(), Contains("governance.p7s: was made by another version of Aloft") && Contains(reissue));
+    scene.issue(Role::channel);
+    CHECK(scene.refusal() == "");
   }
   SECTION("files that are something else") {
     test::write_text(file("cert.pem"), "hello");

@@ -16,7 +16,7 @@
 #include "common/bus/detail.hpp"
 #include "common/bus/keys.hpp"
 #include "common/bus/network.hpp"
-#include "common/bus/serial_reception.hpp"
+#include "common/bus/secured_transport.hpp"
 #include "common/bus/test_faults.hpp"
 
 namespace aloft::bus {
@@ -118,7 +118,7 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   udp->receiveBufferSize = socket_buffer_bytes;
   qos.transport().use_builtin_transports = false;
   const auto network = with_test_faults(udp);
-  qos.transport().user_transports.push_back(options.secure.empty() ? network : with_serial_reception(network));
+  qos.transport().user_transports.push_back(options.secure.empty() ? network : for_secured_run(network));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = duration(options.secure.empty() ? options.lease : secured_lease);

@@ -15,32 +15,33 @@ constexpr Roles environment = Role::environment;
 constexpr Roles channel = Role::channel;
 constexpr Roles baseline_agent = Role::baseline_agent;
 constexpr Roles observer = Role::observer;
+constexpr Roles run_operator = Role::run_operator;
 constexpr Roles agents = Roles(Role::learning_agent) | baseline_agent;
-constexpr Roles everyone = coordinator | metrics | environment | channel | agents | observer;
+constexpr Roles everyone = coordinator | metrics | environment | channel | agents | observer | run_operator;
 
 }  // namespace
 
 // clang-format off
-//                                                                                                                     name               writers      readers                                         scope              tr.loc depth  keys         exclusive
-template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      coordinator, everyone,                                       Scope::run,        true,  1,     1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::TrialAssignment>() noexcept { static constexpr TopicSettings row{"TrialAssignment", coordinator, environment,                                    Scope::run,        true,  64,    max_workers, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept    { static constexpr TopicSettings row{"WorkerStatus",    channel,     coordinator | metrics | environment | observer, Scope::run,        true,  1,     max_workers, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       coordinator, metrics | observer,                             Scope::run,        true,  1,     1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   channel,     metrics,                                        Scope::run,        false, 512,   1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   metrics,     coordinator | channel,                          Scope::run,        false, 4096,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::RecordRefused>() noexcept   { static constexpr TopicSettings row{"RecordRefused",   metrics,     channel,                                        Scope::run,        false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   agents,      metrics,                                        Scope::run,        false, 1024,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    metrics,     agents,                                         Scope::run,        false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", metrics,     coordinator | observer,                         Scope::run,        true,  1,     1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::SwapRequest>() noexcept     { static constexpr TopicSettings row{"SwapRequest",     coordinator, channel,                                        Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::SwapReply>() noexcept       { static constexpr TopicSettings row{"SwapReply",       channel,     coordinator,                                    Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           environment, channel,                                        Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   channel,     agents,                                         Scope::worker,     false, 8,     max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   agents,      channel,                                        Scope::worker,     false, 8,     max_streams, true}; return row; }
-template <> const TopicSettings& topic_settings<wire::ReportFollowed>() noexcept  { static constexpr TopicSettings row{"ReportFollowed",  agents,      channel,                                        Scope::worker,     false, 1024,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     agents,      channel,                                        Scope::worker,     true,  1,     max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    agents,      channel,                                        Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,     baseline_agent,                                 Scope::privileged, false, 16384, max_streams, false}; return row; }
+//                                                                                                                     name               writers       readers                                                        scope              tr.loc depth  keys         exclusive
+template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      coordinator,  everyone,                                                      Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::TrialAssignment>() noexcept { static constexpr TopicSettings row{"TrialAssignment", coordinator,  environment,                                                   Scope::run,        true,  64,    max_workers, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept    { static constexpr TopicSettings row{"WorkerStatus",    channel,      coordinator | metrics | environment | observer | run_operator, Scope::run,        true,  1,     max_workers, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       coordinator,  metrics | observer,                                            Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   channel,      metrics,                                                       Scope::run,        false, 512,   1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   metrics,      coordinator | channel,                                         Scope::run,        false, 4096,  1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::RecordRefused>() noexcept   { static constexpr TopicSettings row{"RecordRefused",   metrics,      channel,                                                       Scope::run,        false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   agents,       metrics,                                                       Scope::run,        false, 1024,  1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    metrics,      agents,                                                        Scope::run,        false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", metrics,      coordinator | observer,                                        Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::SwapRequest>() noexcept     { static constexpr TopicSettings row{"SwapRequest",     run_operator, channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::SwapReply>() noexcept       { static constexpr TopicSettings row{"SwapReply",       channel,      run_operator,                                                  Scope::worker,     false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           environment,  channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   channel,      agents,                                                        Scope::worker,     false, 8,     max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   agents,       channel,                                                       Scope::worker,     false, 8,     max_streams, true}; return row; }
+template <> const TopicSettings& topic_settings<wire::ReportFollowed>() noexcept  { static constexpr TopicSettings row{"ReportFollowed",  agents,       channel,                                                       Scope::worker,     false, 1024,  1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     agents,       channel,                                                       Scope::worker,     true,  1,     max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    agents,       channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,      baseline_agent,                                                Scope::privileged, false, 16384, max_streams, false}; return row; }
 // clang-format on
 
 std::string_view to_text(Role role) noexcept {
@@ -59,6 +60,8 @@ std::string_view to_text(Role role) noexcept {
       return "baseline-agent";
     case Role::observer:
       return "observer";
+    case Role::run_operator:
+      return "operator";
   }
   return "unknown";
 }

@@ -19,10 +19,12 @@ enum class Role : unsigned {
   channel = 1U << 3U,
   learning_agent = 1U << 4U,
   baseline_agent = 1U << 5U,
-  observer = 1U << 6U,  ///< the command line: reads how runs go
+  observer = 1U << 6U,      ///< the command line: reads how runs go
+  run_operator = 1U << 7U,  ///< the command line: orders swaps
 };
-inline constexpr std::array all_roles{Role::coordinator,    Role::metrics,        Role::environment, Role::channel,
-                                      Role::learning_agent, Role::baseline_agent, Role::observer};
+inline constexpr std::array all_roles{Role::coordinator, Role::metrics,        Role::environment,
+                                      Role::channel,     Role::learning_agent, Role::baseline_agent,
+                                      Role::observer,    Role::run_operator};
 
 /// "learning-agent"; the program of a role is "aloft-" and this.
 [[nodiscard]] std::string_view to_text(Role role) noexcept;

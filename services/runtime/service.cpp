@@ -12,10 +12,12 @@
 #include <CLI/Error.hpp>
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
+#include <optional>
 #include <system_error>
 
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/standstill_watch.hpp"
 
 namespace aloft::runtime {
 namespace {
@@ -102,7 +104,11 @@ int serve(const CommonOptions& options, const ServiceInfo& info, const std::func
   open_log(options, info);
   Service service{options.bus, stop, notifier};
   service.bus.process = info.name;
-  if (!service.bus.secure.empty()) service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
+  std::optional<StandstillWatch> watch;
+  if (!service.bus.secure.empty()) {
+    service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
+    watch.emplace(bus::secured_lease, end_to_be_started_again());
+  }
   spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);
   run(service);
   spdlog::info("ends{}", stop.interrupted() ? " because a signal asked" : "");

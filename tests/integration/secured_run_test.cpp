@@ -47,8 +47,10 @@ class SecuredRun {
  public:
   SecuredRun() {
     make_all_keys(keys());
-    write_text(scratch_ / "endless.json", R"({"name": "endless", "seed": 1, "trials": 50000,
-      "world": {"kind": "generated", "bs_density_per_km2": 1, "steps": 100}, "agents": ["min-height", "random-walk"]})");
+    write_text(scratch_ / "endless.json",
+               R"({"name": "endless", "seed": 1, "trials": 50000, "on_agent_loss": "failover",
+      "world": {"kind": "generated", "bs_density_per_km2": 1, "steps": 100}, "agents": ["random-walk",
+        {"type": "relay", "name": "uav", "crew": [{"agent": "min-height"}, {"agent": "constant-120"}]}]})");
     run_.emplace(std::vector<std::string>{"aloft", "run", (scratch_ / "endless.json").string(), "--workers", "1",
                                           "--run", place.run, "--domain", test_domain(), "--out",
                                           (scratch_ / "out").string(), "--secure", keys().string()});
@@ -244,6 +246,40 @@ TEST_CASE("intruders read and write nothing, and are named") {
     CHECK_THAT(run.log("aloft-channel-w0"), Contains("read WorkerStatus") && Contains("write RunControl"));
   }
   CHECK_THAT(log_of_all(), !Contains("is over"));
+  CHECK(run.goes_on());
+}
+
+TEST_CASE("whoever has an operator's keys may order a swap, and nothing else") {
+  const SecuredRun run;
+  const auto swap = [&](const fs::path& keys) {
+    return run_command({"aloft", "swap", "--run", run.place.run, "--domain", test_domain(), "--worker", "w0", "--agent",
+                        "constant-120", "--secure", keys.string()});
+  };
+  {
+    INFO("observer");
+    const fs::path keys = run.scratch("observer");
+    bus::issue_keys(run.keys(), {.role = Role::observer, .name = "alice"}, keys);
+    const Finished refused = swap(keys);
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Contains("operator/cert.pem: is missing") && Contains("aloft keys issue"));
+    bus::BusOptions options = run.as(Role::observer, keys);
+    options.worker = "w0";
+    CHECK_THROWS_WITH(bus::Writer<wire::SwapRequest>(bus::Participant(options)),
+                      Contains("SwapRequest") && Contains("'observer'"));
+  }
+  {
+    INFO("operator");
+    bus::BusOptions options = run.as(Role::run_operator, run.keys());
+    options.worker = "w0";
+    const bus::Participant participant(options);
+    CHECK_THROWS_WITH(bus::Writer<wire::TrialAssignment>(participant), Contains("TrialAssignment"));
+    CHECK_THROWS_WITH(bus::Writer<wire::RunControl>(participant), Contains("RunControl"));
+    CHECK_THROWS_WITH(bus::Writer<wire::HeightCommand>(participant), Contains("HeightCommand"));
+    const Finished done = swap(run.keys());
+    INFO(done.err);
+    CHECK(done.exit_code == 0);
+    CHECK_THAT(done.out, Contains("constant-120 flies"));
+  }
   CHECK(run.goes_on());
 }
 

@@ -44,6 +44,7 @@ std::string join_arguments(const bus::BusOptions& place) {
   if (place.domain != defaults.domain) text += fmt::format(" --domain {}", place.domain);
   if (place.interfaces != defaults.interfaces) text += " --interface THEIRS";
   if (!place.discovery_server.empty()) text += " --discovery-server " + place.discovery_server;
+  if (!place.secure.empty()) text += " --secure THEIRS";
   return text;
 }
 
@@ -62,7 +63,8 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
   if (place.run.empty()) place.run = fmt::format("{}.{}", experiment.id, getpid());
   place.process = "aloft";
   if (!place.secure.empty())  // now, rather than by processes that end and are started again
-    for (const bus::Role role : bus::all_roles) (void)bus::check_keys(place.secure, role);
+    for (const bus::Role role : bus::all_roles)
+      if (role != bus::Role::run_operator) (void)bus::check_keys(place.secure, role);
   const bus::Participant participant(place);
   bus::Reader<wire::RunStatus> statuses(participant);
   statuses.expect_experiment(experiment.id);

@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/standstill_watch.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -65,7 +66,7 @@ void Processes::start_all() {
 std::vector<std::string> Processes::supervise() {
   std::vector<Children::Ended> deaths;
   for (const Children::Ended& ended : children_.reap()) {
-    if (ended.name == decider_ && ended.signal == 0)
+    if (ended.name == decider_ && ended.signal == 0 && ended.exit_code != runtime::exit_start_again)
       decision_ = ended.exit_code;
     else if (ended.signal == 0 && ended.exit_code == exit_ok)
       left_.emplace_back(ended, Clock::now());

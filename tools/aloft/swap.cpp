@@ -147,7 +147,7 @@ void add_swap(CLI::App& app, Job& job) {
     job = [options] {
       bus::StopSignal stop;
       options->place.process = "aloft-swap";
-      options->place.role = bus::Role::coordinator;  // in a secured run: who steers it
+      options->place.role = bus::Role::run_operator;
       return Swap(*options, stop).run();
     };
   });

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <chrono>
 #include <ctime>
+#include <optional>
 
 #include "common/base/cores.hpp"
 #include "common/base/error.hpp"
@@ -18,6 +19,7 @@
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/notifier.hpp"
 #include "services/runtime/run_follower.hpp"
+#include "services/runtime/standstill_watch.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/processes.hpp"
 
@@ -185,7 +187,11 @@ int work(WorkerOptions options) {
   if (!options.named) options.name = unique_name();
   if (options.log_dir.empty()) options.log_dir = std::filesystem::path("log") / options.name;
   options.bus.process = "aloft-worker-" + options.name;
-  return Membership(options).run();
+  const bool secured = !options.bus.secure.empty();
+  Membership membership(options);
+  std::optional<runtime::StandstillWatch> watch;
+  if (secured) watch.emplace(bus::secured_lease, runtime::end_to_be_started_again());
+  return membership.run();
 }
 
 }  // namespace

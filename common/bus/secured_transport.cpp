@@ -1,0 +1,135 @@
+#include "common/bus/secured_transport.hpp"
+
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <spdlog/spdlog.h>
+
+#include <bit>
+#include <mutex>
+
+namespace aloft::bus {
+namespace {
+
+namespace transport = eprosima::fastdds::rtps;
+namespace rtps = eprosima::fastrtps::rtps;
+
+// RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6 and 7.4.7.
+constexpr std::size_t message_header_bytes = 20;
+constexpr std::size_t submessage_header_bytes = 4;
+constexpr unsigned first_vendor_kind = 0x80;
+enum Kind : unsigned {
+  pad = 0x01,
+  acknack = 0x06,
+  heartbeat = 0x07,
+  info_ts = 0x09,
+  info_dst = 0x0e,
+  data = 0x15,
+  data_frag = 0x16,
+  sec_body = 0x30,
+  sec_prefix = 0x31,
+  sec_postfix = 0x32
+};
+// Endpoints by what they write.
+constexpr unsigned announcements = 0x000100c2;
+constexpr unsigned handshakes = 0x000201c3;
+// Of these the encrypted twins are used; they themselves stay empty, and tell each other so.
+constexpr unsigned clear_publications = 0x000003c2;
+constexpr unsigned clear_subscriptions = 0x000004c2;
+constexpr unsigned clear_liveliness = 0x000200c2;
+
+/// The four bytes there; 0 if the submessage is cut.
+unsigned endpoint_at(std::size_t offset, const unsigned char* content, std::size_t size) noexcept {
+  if (size < offset + 4) return 0;
+  unsigned id = 0;
+  for (std::size_t i = offset; i < offset + 4; ++i) id = id << 8U | content[i];
+  return id;
+}
+
+bool permitted(unsigned kind, const unsigned char* content, std::size_t size) noexcept {
+  switch (kind) {
+    case pad:
+    case info_ts:
+    case info_dst:
+    case sec_prefix:
+    case sec_body:
+    case sec_postfix:
+      return true;
+    case data:
+    case data_frag: {
+      const unsigned writer = endpoint_at(8, content, size);
+      return writer == announcements || writer == handshakes;
+    }
+    case acknack:
+    case heartbeat: {
+      const unsigned writer = endpoint_at(4, content, size);
+      return writer == clear_publications || writer == clear_subscriptions || writer == clear_liveliness;
+    }
+    default:
+      return kind >= first_vendor_kind;
+  }
+}
+
+struct SecuredDescriptor : transport::ChainingTransportDescriptor {
+  explicit SecuredDescriptor(std::shared_ptr<TransportDescriptorInterface> below)
+      : ChainingTransportDescriptor(std::move(below)) {}
+  [[nodiscard]] transport::TransportInterface* create_transport() const override;
+};
+
+class SecuredTransport : public transport::ChainingTransport {
+ public:
+  explicit SecuredTransport(const SecuredDescriptor& descriptor)
+      : ChainingTransport(descriptor), descriptor_(descriptor) {}
+
+  transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+
+  bool send(rtps::SenderResource* below, const rtps::octet* bytes, std::uint32_t size,
+            transport::LocatorsIterator* begin, transport::LocatorsIterator* end,
+            const std::chrono::steady_clock::time_point& timeout) override {
+    return below->send(bytes, size, begin, end, timeout);
+  }
+
+  void receive(transport::TransportReceiverInterface* next, const rtps::octet* bytes, std::uint32_t size,
+               const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    // The calling thread has just read from its socket and holds no lock, so nobody can wait for it in a circle.
+    const std::lock_guard lock(mutex_);
+    if (permitted_in_secured_run(bytes, size)) return next->OnDataReceived(bytes, size, local, remote);
+    if (std::has_single_bit(++dropped_))
+      spdlog::warn("dropped a message in clear text from {}; {} so far", rtps::IPLocator::ip_to_string(remote),
+                   dropped_);
+  }
+
+ private:
+  SecuredDescriptor descriptor_;
+  std::mutex mutex_;
+  std::uint64_t dropped_ = 0;
+};
+
+transport::TransportInterface* SecuredDescriptor::create_transport() const {
+  return new SecuredTransport(*this);
+}
+
+}  // namespace
+
+std::shared_ptr<transport::TransportDescriptorInterface> for_secured_run(
+    std::shared_ptr<transport::TransportDescriptorInterface> below) {
+  return std::make_shared<SecuredDescriptor>(std::move(below));
+}
+
+bool permitted_in_secured_run(const unsigned char* bytes, std::size_t size) noexcept {
+  for (std::size_t at = message_header_bytes; at < size;) {
+    if (size - at < submessage_header_bytes) return false;
+    const unsigned kind = bytes[at];
+    const bool little_endian = (bytes[at + 1] & 1U) != 0;
+    std::size_t length = little_endian ? bytes[at + 2] + 256U * bytes[at + 3] : bytes[at + 3] + 256U * bytes[at + 2];
+    at += submessage_header_bytes;
+    if (length > size - at) return false;
+    if (length == 0 && kind != info_ts && kind != pad) length = size - at;  // the last one
+    if (!permitted(kind, bytes + at, length)) return false;
+    at += (length + 3) & ~std::size_t{3};  // as the middleware walks
+  }
+  return true;
+}
+
+}  // namespace aloft::bus

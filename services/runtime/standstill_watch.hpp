@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace aloft::runtime {
+
+/// Notices when this process has stood still: stopped by a signal, in a frozen container, or on a suspended machine.
+class StandstillWatch {
+ public:
+  using React = std::function<void(std::chrono::milliseconds)>;
+
+  /// Calls `react`, from a thread of its own, each time the process has not run for about `limit` or longer, with the
+  /// time.
+  StandstillWatch(std::chrono::milliseconds limit, React react);
+  ~StandstillWatch();
+  StandstillWatch(const StandstillWatch&) = delete;
+  StandstillWatch& operator=(const StandstillWatch&) = delete;
+
+ private:
+  void watch(std::chrono::milliseconds limit, const React& react);
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+/// The exit code of a process with which nothing is wrong, but only a new one can go on; who supervises it starts that.
+inline constexpr int exit_start_again = 75;
+
+/// For a process of a secured run, which nobody can authenticate again who has forgotten it (bus::secured_lease): ends
+/// the process with exit_start_again, and says so in the log.
+[[nodiscard]] StandstillWatch::React end_to_be_started_again();
+
+}  // namespace aloft::runtime

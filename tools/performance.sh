@@ -130,8 +130,8 @@ TEXT
 
 ## Scaling
 `build/bin/scaling`: flights per second of `aloft run` with one worker and all other processes on one core, and with two
-workers on two cores, in turns (in brackets: every turn's ratio). `aloft run` gives each of its workers an equal share of
-the cores for learning (`--learner-threads`).
+workers on two cores, in turns (in brackets: every turn's ratio). `aloft run` keeps each of its workers on an equal share
+of the cores: waking a process on another core costs more than most answers.
 TEXT
   (cd build && bin/scaling "$domain") | code
 

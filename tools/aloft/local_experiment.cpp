@@ -42,8 +42,13 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
-    const LocalRun local{
-        dir, options.workers, options.learner_threads_per_worker(), options.fail_fast, options.shuffled, options.bus};
+    const LocalRun local{dir,
+                         options.workers,
+                         options.learner_threads_per_worker(),
+                         options.pinned,
+                         options.fail_fast,
+                         options.shuffled,
+                         options.bus};
     complete = run_local(local, experiment, progress, interrupted, failures);
   }
   progress.finish();
@@ -69,6 +74,9 @@ void FlyingOptions::add_to(CLI::App& command) {
       .add_option("--learner-threads", learner_threads,
                   "Flights that each worker learns from at the same time; the bytes are the same [cores / workers]")
       ->check(CLI::Range(1, 256));
+  command.add_flag("!--unpinned", pinned,
+                   "Let workers move between cores, instead of keeping each on an equal share of them: slower, but "
+                   "better when other programs occupy some cores");
   command.add_option("--fail-fast", fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")
       ->capture_default_str();
   command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");

@@ -34,7 +34,9 @@ void add_services(Processes& processes, const LocalRun& run) {
   coordinator.insert(coordinator.end(), {"--fail-fast", std::to_string(run.fail_fast)});
   if (run.shuffled) coordinator.insert(coordinator.end(), {"--trial-order", "shuffled"});
   processes.add_decider("aloft-coordinator", coordinator);
-  for (unsigned i = 0; i < run.workers; ++i) processes.add_worker(fmt::format("w{}", i), run.learner_threads);
+  for (unsigned i = 0; i < run.workers; ++i)
+    processes.add_worker(fmt::format("w{}", i), run.learner_threads, {},
+                         run.pinned ? CoreShare{i, run.workers} : CoreShare{});
 }
 
 /// The run's name and what differs from the defaults.

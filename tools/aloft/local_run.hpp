@@ -16,6 +16,7 @@ struct LocalRun {
   std::filesystem::path dir;  ///< result folder, made and checked by the caller
   unsigned workers = 1;
   unsigned learner_threads = 1;  ///< of each worker
+  bool pinned = true;            ///< each worker to its share of the cores
   unsigned fail_fast = 0;
   bool shuffled = false;
   bus::BusOptions place;  ///< an empty `run`: one of its own, so that runs on one machine do not hear each other

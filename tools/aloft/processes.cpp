@@ -29,38 +29,39 @@ Processes::Processes(bus::BusOptions place, std::filesystem::path log_dir)
 }
 
 void Processes::add(const std::string& program, const std::vector<std::string>& more) {
-  add(program, "", more);
+  add(program, "", more, {});
 }
 
 void Processes::add_decider(const std::string& program, const std::vector<std::string>& more) {
-  add(program, "", more);
+  add(program, "", more, {});
   decider_ = program;
 }
 
-void Processes::add_worker(const std::string& worker, unsigned learner_threads,
-                           const std::vector<std::string>& agents) {
+void Processes::add_worker(const std::string& worker, unsigned learner_threads, const std::vector<std::string>& agents,
+                           const CoreShare& cores) {
   std::vector<std::string> only;
   if (!agents.empty()) only = {"--agents", fmt::format("{}", fmt::join(agents, ","))};
   std::vector<std::string> learners = only;
   learners.insert(learners.end(), {"--threads", std::to_string(learner_threads)});
-  add("aloft-environment", worker, {});
-  add("aloft-channel", worker, only);
-  add("aloft-learning-agent", worker, learners);
-  add("aloft-baseline-agent", worker, only);
+  add("aloft-environment", worker, {}, cores);
+  add("aloft-channel", worker, only, cores);
+  add("aloft-learning-agent", worker, learners, cores);
+  add("aloft-baseline-agent", worker, only, cores);
 }
 
-void Processes::add(const std::string& program, const std::string& worker, const std::vector<std::string>& more) {
+void Processes::add(const std::string& program, const std::string& worker, const std::vector<std::string>& more,
+                    const CoreShare& cores) {
   std::vector<std::string> arguments{program_path(program).string(), "--log-dir", log_dir_.string(),
                                      "--die-with-parent"};
   const std::vector<std::string> place = runtime::bus_arguments(place_);
   arguments.insert(arguments.end(), place.begin(), place.end());
   if (!worker.empty()) arguments.insert(arguments.end(), {"--worker", worker});
   arguments.insert(arguments.end(), more.begin(), more.end());
-  commands_.emplace_back(worker.empty() ? program : program + "-" + worker, std::move(arguments));
+  commands_.push_back({worker.empty() ? program : program + "-" + worker, std::move(arguments), cores});
 }
 
 void Processes::start_all() {
-  for (const auto& [name, arguments] : commands_) start(name);
+  for (const Command& command : commands_) start(command.name);
 }
 
 std::vector<std::string> Processes::supervise() {
@@ -89,8 +90,9 @@ std::vector<std::string> Processes::supervise() {
 
 void Processes::start(const std::string& name) {
   const auto command =
-      std::find_if(commands_.begin(), commands_.end(), [&](const auto& entry) { return entry.first == name; });
-  children_.start(name, command->second, log_dir_ / (name + ".err"));
+      std::find_if(commands_.begin(), commands_.end(), [&](const Command& entry) { return entry.name == name; });
+  const OnCores pinned(command->cores);
+  children_.start(name, command->arguments, log_dir_ / (name + ".err"));
 }
 
 void Processes::start_again(const std::string& name) {

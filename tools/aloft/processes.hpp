@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/cores.hpp"
 #include "common/bus/participant.hpp"
 #include "tools/aloft/children.hpp"
 
@@ -27,8 +28,10 @@ class Processes {
   void add(const std::string& program, const std::vector<std::string>& more);
   /// A service that decides when all is over: it is not started again when it ends by itself.
   void add_decider(const std::string& program, const std::vector<std::string>& more);
-  /// The four processes of a worker that learns in so many threads and flies only these agents; none named: all.
-  void add_worker(const std::string& worker, unsigned learner_threads, const std::vector<std::string>& agents = {});
+  /// The four processes of a worker that learns in so many threads and flies only these agents; none named: all. They
+  /// talk to each other all the time, which costs least on cores of their own.
+  void add_worker(const std::string& worker, unsigned learner_threads, const std::vector<std::string>& agents = {},
+                  const CoreShare& cores = {});
   void start_all();
 
   /// Starts again what died. Returns a line for each death. Who ends in good order has heard that the run is over; it
@@ -45,7 +48,13 @@ class Processes {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void add(const std::string& program, const std::string& worker, const std::vector<std::string>& more);
+  struct Command {
+    std::string name;
+    std::vector<std::string> arguments;
+    CoreShare cores;
+  };
+  void add(const std::string& program, const std::string& worker, const std::vector<std::string>& more,
+           const CoreShare& cores);
   [[nodiscard]] std::filesystem::path log_of(const std::string& name) const { return log_dir_ / (name + ".log"); }
   void start(const std::string& name);
   void start_again(const std::string& name);
@@ -54,7 +63,7 @@ class Processes {
   std::filesystem::path log_dir_;
   std::string decider_;
   std::optional<int> decision_;
-  std::vector<std::pair<std::string, std::vector<std::string>>> commands_;
+  std::vector<Command> commands_;
   std::map<std::string, std::deque<Clock::time_point>> restarts_;
   std::vector<std::pair<Children::Ended, Clock::time_point>> left_;
   Children children_;

@@ -45,7 +45,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     const LocalRun local{dir,
                          options.workers,
                          options.learner_threads_per_worker(),
-                         options.pinned,
+                         !options.unpinned,
                          options.fail_fast,
                          options.shuffled,
                          options.bus};
@@ -74,7 +74,7 @@ void FlyingOptions::add_to(CLI::App& command) {
       .add_option("--learner-threads", learner_threads,
                   "Flights that each worker learns from at the same time; the bytes are the same [cores / workers]")
       ->check(CLI::Range(1, 256));
-  command.add_flag("!--unpinned", pinned,
+  command.add_flag("--unpinned", unpinned,
                    "Let workers move between cores, instead of keeping each on an equal share of them: slower, but "
                    "better when other programs occupy some cores");
   command.add_option("--fail-fast", fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")

@@ -14,7 +14,7 @@ struct FlyingOptions {
   unsigned workers = 1;
   unsigned learner_threads = 0;  ///< of each worker; 0: an equal share of the cores
   unsigned fail_fast = 0;
-  bool pinned = true;
+  bool unpinned = false;
   bool in_process = false;
   bool shuffled = false;
   bus::BusOptions bus;

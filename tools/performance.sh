@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures where the time goes on this machine and writes docs/performance.md. About fifteen minutes, 5 GB of disk for the
+# Measures where the time goes on this machine and writes docs/performance.md. Some twenty minutes, 5 GB of disk for the
 # largest database; best when nothing else runs.
 #   tools/performance.sh [FILE]
 set -euo pipefail

@@ -81,11 +81,10 @@ void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participa
                                              rtps::ParticipantDiscoveryInfo&& info) {
   using Info = rtps::ParticipantDiscoveryInfo;
   const rtps::ParticipantProxyData& data = info.info;
-  if (info.status == Info::DROPPED_PARTICIPANT) {
-    spdlog::debug("has not heard {} for longer than its lease: forgets it", introduction(data));
-    reunion_.forgotten(data.m_guid.guidPrefix);
+  if (info.status == Info::DROPPED_PARTICIPANT || info.status == Info::REMOVED_PARTICIPANT) {
+    spdlog::debug("{} {}", introduction(data), info.status == Info::REMOVED_PARTICIPANT ? "leaves" : "is silent");
+    reunion_.gone(data.m_guid.guidPrefix);
   }
-  if (info.status == Info::REMOVED_PARTICIPANT) reunion_.left(data.m_guid.guidPrefix);
   if (info.status != Info::DISCOVERED_PARTICIPANT) return;
   spdlog::debug("hears {}", introduction(data));
   reunion_.heard(data.m_guid.guidPrefix, introduction(data), Reunion::Clock::now());

@@ -107,6 +107,11 @@ void secure(const KeyFiles& files, dds::DomainParticipantQos& qos) {
   properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
+std::chrono::milliseconds lease_of(const BusOptions& options) {
+  if (!options.secure.empty()) return secured_lease;
+  return options.discovery_server.empty() ? options.lease : served_lease;
+}
+
 dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
@@ -121,7 +126,7 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   qos.transport().user_transports.push_back(options.secure.empty() ? network : for_secured_run(network));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = duration(options.secure.empty() ? options.lease : secured_lease);
+  discovery.leaseDuration = duration(lease_of(options));
   // Everybody tells everybody: with n processes on a host, n * n messages per period, also while nothing is flown.
   discovery.leaseDuration_announcementperiod = duration(options.lease / 3);
   discovery.initial_announcements.count = 5;

@@ -23,12 +23,17 @@ struct BusOptions {
   bool serves_discovery = false;   ///< this process is that server
   std::filesystem::path secure{};  ///< folder with the keys (keys.hpp); empty: neither authentication nor encryption
   Role role = Role::observer;      ///< in a secured run
-  std::chrono::milliseconds lease{1500};  ///< a process that is silent for this long is forgotten; unless secured
+  /// A process that is silent for this long is forgotten; not in a secured run, and not with a discovery server.
+  std::chrono::milliseconds lease{1500};
 };
 
 /// A process of a secured run that is silent for this long is forgotten. Longer than any delay on a busy machine: the
 /// middleware cannot authenticate a second time with somebody who has not forgotten it too.
 inline constexpr std::chrono::milliseconds secured_lease{20'000};
+
+/// The lease in a run with a discovery server. If only one of a server and its client forgets the other, they do not
+/// find each other again, so neither may forget the other because a machine was busy for a moment.
+inline constexpr std::chrono::milliseconds served_lease{4'000};
 
 /// Samples of one topic that were refused in this process.
 struct Drops {

@@ -28,7 +28,7 @@ void append(Reunion::Question& question, const Reunion::Process& process, std::u
 
 Reunion::Peer& Reunion::peer(const Process& process) {
   if (peers_.size() >= max_peers && !peers_.contains(process))
-    std::erase_if(peers_, [](const auto& entry) { return entry.second.forgotten; });
+    std::erase_if(peers_, [](const auto& entry) { return entry.second.gone; });
   return peers_[process];
 }
 
@@ -36,24 +36,18 @@ void Reunion::heard(const Process& process, const std::string& name, Clock::time
   const std::lock_guard lock(mutex_);
   Peer& who = peer(process);
   who.name = name;
-  if (!std::exchange(who.forgotten, false)) return;
+  if (!std::exchange(who.gone, false)) return;
   who.times_asked = 0;
   who.due = now + first_patience;
 }
 
-void Reunion::forgotten(const Process& process) {
+void Reunion::gone(const Process& process) {
   const std::lock_guard lock(mutex_);
   Peer& who = peer(process);
-  who.forgotten = true;
+  who.gone = true;
   who.due.reset();
   who.writers.clear();
   who.readers.clear();
-}
-
-void Reunion::left(const Process& process) {
-  const std::lock_guard lock(mutex_);
-  peers_.erase(process);
-  answered_.erase(process);
 }
 
 void Reunion::found(const Endpoint& endpoint, Kind kind) {
@@ -89,7 +83,7 @@ std::optional<Reunion::Question> Reunion::question(Clock::time_point now) {
       who.due = now + first_patience * (1U << ++who.times_asked);
       who.number = ++last_number_;
       is_new = true;
-      spdlog::info("{} was silent and is back, but its endpoints are not: asks for them", who.name);
+      spdlog::info("{} is back, but what it reads or writes is not known: asks it", who.name);
     }
     if (who.times_asked == 0) continue;
     append(question, process, who.number);

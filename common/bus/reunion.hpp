@@ -37,10 +37,8 @@ class Reunion {
   // --- what the middleware says about others ---
 
   void heard(const Process& process, const std::string& name, Clock::time_point now);
-  /// Its lease has expired.
-  void forgotten(const Process& process);
-  /// It has left in order.
-  void left(const Process& process);
+  /// It has left, or is taken for dead: its lease has expired, or the discovery server says so.
+  void gone(const Process& process);
   void found(const Endpoint& endpoint, Kind kind);
   void removed(const Endpoint& endpoint, Kind kind);
 
@@ -60,7 +58,7 @@ class Reunion {
     std::set<Endpoint> readers;
     bool had_writers = false;
     bool had_readers = false;
-    bool forgotten = false;
+    bool gone = false;
     unsigned times_asked = 0;
     std::uint32_t number = 0;              // of the latest question
     std::optional<Clock::time_point> due;  // of the next question; none: nothing is missing

@@ -38,7 +38,7 @@ struct Scene {
   void lose() {
     reunion.removed(endpoint(2, 2), Kind::reader);
     reunion.removed(endpoint(2, 1), Kind::writer);
-    reunion.forgotten(other);
+    reunion.gone(other);
     reunion.heard(other, "other", start);
   }
 };
@@ -85,7 +85,7 @@ TEST_CASE("a question to one still holds the open question to another") {
   Scene scene;
   scene.reunion.found(endpoint(3, 1), Kind::writer);
   scene.lose();
-  scene.reunion.forgotten(third);
+  scene.reunion.gone(third);
   REQUIRE(scene.reunion.question(start + 500ms));
   scene.reunion.heard(third, "third", start + 600ms);
   const auto question = scene.reunion.question(start + 1200ms);
@@ -99,7 +99,7 @@ TEST_CASE("who leaves, or never answers, is not asked for ever") {
   scene.lose();
   SECTION("leaves") {
     REQUIRE(scene.reunion.question(start + 500ms));
-    scene.reunion.left(other);
+    scene.reunion.gone(other);
     CHECK_FALSE(scene.reunion.question(start + 1h));
   }
   SECTION("never answers") {

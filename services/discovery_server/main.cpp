@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     bus::Waiter waiter(service.stop);
     // If this server replaces one that has just died, its clients must notice that first: only then do they introduce
     // themselves again.
-    waiter.wait(2 * service.bus.lease);
+    waiter.wait(bus::served_lease + std::chrono::seconds(1));
     const bus::Participant participant(service.bus);
     spdlog::info("serves discovery on {}", service.bus.discovery_server);
     service.notifier.ready("serves discovery on " + service.bus.discovery_server);

@@ -108,6 +108,8 @@ int serve(const CommonOptions& options, const ServiceInfo& info, const std::func
   if (!service.bus.secure.empty()) {
     service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
     watch.emplace(bus::secured_lease, end_to_be_started_again());
+  } else if (!service.bus.discovery_server.empty()) {
+    watch.emplace(bus::served_lease, end_to_be_started_again());
   }
   spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);
   run(service);

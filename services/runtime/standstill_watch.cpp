@@ -44,7 +44,7 @@ void StandstillWatch::watch(std::chrono::milliseconds limit, const React& react)
 StandstillWatch::React end_to_be_started_again() {
   return [](std::chrono::milliseconds still) {
     spdlog::critical(
-        "stood still for {} s: the others have forgotten this process and cannot authenticate it again; it ends, to be "
+        "stood still for {} s: the others have forgotten this process and cannot take it in again; it ends, to be "
         "started again",
         still.count() / 1000);
     spdlog::default_logger()->flush();

@@ -107,6 +107,20 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
   return complete && failures.empty() ? exit_ok : exit_failure;
 }
 
+int fly_experiments(const std::vector<experiment::Experiment>& all, const std::filesystem::path& out,
+                    const FlyingOptions& options, const std::function<void(const std::filesystem::path& dir)>& flown) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const experiment::Experiment& experiment = all[i];
+    fmt::print(stderr, "{} of {}: {}, {} flights\n", i + 1, all.size(), experiment.name,
+               std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size());
+    const std::filesystem::path dir = out / experiment.name;
+    const int exit_code = fly_experiment(experiment, dir, options);
+    if (exit_code != exit_ok) return exit_code;
+    if (flown) flown(dir);
+  }
+  return exit_ok;
+}
+
 std::string comparison(const std::filesystem::path& dir, const std::string& format) {
   const nlohmann::ordered_json summary = store::summarise(store::ResultStore::open_for_reading(dir));
   return format == "json" ? summary.dump(2) + "\n" : experiment::summary_table(summary);

@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "common/bus/participant.hpp"
 #include "common/experiment/experiment.hpp"
@@ -29,6 +31,12 @@ struct FlyingOptions {
 /// experiment.
 int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,
                    const FlyingOptions& options);
+
+/// Flies one experiment after the other, each into its own folder `out`/NAME, and calls `flown` with that folder. Stops
+/// at the first that does not end with exit_ok. Returns the last exit code.
+int fly_experiments(const std::vector<experiment::Experiment>& all, const std::filesystem::path& out,
+                    const FlyingOptions& options,
+                    const std::function<void(const std::filesystem::path& dir)>& flown = nullptr);
 
 /// The comparison of a result folder as aligned text, or "json": the content of summary.json.
 [[nodiscard]] std::string comparison(const std::filesystem::path& dir, const std::string& format);

@@ -79,14 +79,11 @@ std::vector<experiment::Experiment> experiments(const ReproduceOptions& options)
 
 int reproduce(const ReproduceOptions& options) {
   const std::vector<experiment::Experiment> all = experiments(options);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    fmt::print(stderr, "{} of {}: {}, {} flights\n", i + 1, all.size(), all[i].name,
-               std::uint64_t{all[i].trials} * all[i].conditions.size() * all[i].agents.size());
-    const int exit_code = fly_experiment(all[i], options.out / all[i].name, options.flying);
-    if (exit_code != exit_ok) return exit_code;
-    fmt::print("{}\n", comparison(options.out / all[i].name, "text"));
+  const int exit_code = fly_experiments(all, options.out, options.flying, [](const std::filesystem::path& dir) {
+    fmt::print("{}\n", comparison(dir, "text"));
     std::fflush(stdout);
-  }
+  });
+  if (exit_code != exit_ok) return exit_code;
   const report::WrittenReport written = report::write_report(options.out);
   fmt::print(stderr, "Report, with the published values beside ours: {}\n", written.page.string());
   return exit_ok;

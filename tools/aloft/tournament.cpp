@@ -101,16 +101,6 @@ void measure_step_costs(const experiment::Experiment& experiment, report::StepCo
   }
 }
 
-int fly_all(const std::vector<experiment::Experiment>& all, const TournamentOptions& options) {
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    fmt::print(stderr, "{} of {}: {}, {} flights\n", i + 1, all.size(), all[i].name,
-               std::uint64_t{all[i].trials} * all[i].conditions.size() * all[i].agents.size());
-    const int exit_code = fly_experiment(all[i], options.out / all[i].name, options.flying);
-    if (exit_code != exit_ok) return exit_code;
-  }
-  return exit_ok;
-}
-
 void save_picture(const TournamentOptions& options, const std::string& experiment) {
   const std::filesystem::path chart = options.out / "charts" / (experiment + "-gains.svg");
   if (!std::filesystem::exists(chart))
@@ -121,7 +111,7 @@ void save_picture(const TournamentOptions& options, const std::string& experimen
 
 int tournament(const TournamentOptions& options) {
   const std::vector<experiment::Experiment> all = experiments(options);
-  if (const int exit_code = fly_all(all, options); exit_code != exit_ok) return exit_code;
+  if (const int exit_code = fly_experiments(all, options.out, options.flying); exit_code != exit_ok) return exit_code;
 
   std::vector<report::ConditionTrials> conditions;
   for (const experiment::Experiment& experiment : all)

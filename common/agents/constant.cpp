@@ -23,7 +23,7 @@ class Constant final : public SteeringAgent {
   double target_m_;
 };
 
-const bool registered = register_agent(
+const bool constant_registered = register_agent(
     {.name = "constant",
      .description = "Climbs or descends to one height and stays there.",
      .name_parameter = "height_m",

@@ -221,7 +221,7 @@ Command Dqn::act() {
 
 namespace {
 
-[[maybe_unused]] const bool registered = register_agent({
+[[maybe_unused]] const bool dqn_registered = register_agent({
     .name = "dqn",
     .description = "The paper's deep Q-network, learning while it flies.",
     .privilege = Privilege::none,

@@ -12,7 +12,6 @@ namespace aloft::agents {
 namespace {
 
 constexpr double sinr_scale_db = 20.0;
-constexpr double mbps_per_kbps = 1e-3;
 
 double power_ratio(double db) {
   return std::pow(10.0, db / 10.0);
@@ -57,7 +56,7 @@ void DqnEncoder::observe(const Observation& observation) {
     Moment& before = moments_.back();
     const double previous_reward = moments_.size() > 1 ? moments_[moments_.size() - 2].reward : 0.0;
     before.action = static_cast<double>((now.height_m > before.height_m) - (now.height_m < before.height_m));
-    before.reward = observation.reward * (flight_.qos == QosKind::throughput ? mbps_per_kbps : 1.0);
+    before.reward = in_learning_units(observation.reward, flight_.qos);
     before.gain = moments_.size() > 1 ? before.reward - previous_reward : 0.0;
     largest_reward_ = std::max(largest_reward_, before.reward);
   }

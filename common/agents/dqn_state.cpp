@@ -5,32 +5,10 @@
 #include <stdexcept>
 
 #include "common/agents/dqn.hpp"
+#include "common/agents/steering.hpp"
 
 namespace aloft::agents {
 namespace {
-
-void save_flight(StateWriter& writer, const FlightInfo& flight) {
-  writer.put_integer("flight.qos", static_cast<std::uint64_t>(flight.qos));
-  writer.put("flight.heights_m", std::vector<double>{flight.height_min_m, flight.height_max_m, flight.height_step_m});
-  writer.put_integer("flight.steps", flight.steps);
-  writer.put_integer("flight.seed", flight.seed);
-  writer.put_integer("flight.trial", flight.trial);
-}
-
-FlightInfo restore_flight(const StateReader& reader) {
-  FlightInfo flight;
-  if (reader.integer("flight.qos") > static_cast<std::uint64_t>(QosKind::throughput)) reader.refuse("unknown QoS kind");
-  flight.qos = static_cast<QosKind>(reader.integer("flight.qos"));
-  std::array<double, 3> heights_m{};
-  reader.get("flight.heights_m", heights_m);
-  flight.height_min_m = heights_m[0];
-  flight.height_max_m = heights_m[1];
-  flight.height_step_m = heights_m[2];
-  flight.steps = static_cast<std::uint32_t>(reader.integer("flight.steps"));
-  flight.seed = reader.integer("flight.seed");
-  flight.trial = static_cast<std::uint32_t>(reader.integer("flight.trial"));
-  return flight;
-}
 
 void save_network(StateWriter& writer, const std::string& name, const learn::Network& network) {
   const learn::NetworkState state = network.state();

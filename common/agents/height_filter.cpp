@@ -176,7 +176,7 @@ class HeightFilter final : public SteeringAgent {
   std::vector<double> outlook_;
 };
 
-const bool registered = register_agent(
+const bool height_filter_registered = register_agent(
     {.name = "height-filter",
      .description = "Learns the quality of every height with a Kalman filter and plans a few steps ahead.",
      .learns = true,

@@ -10,12 +10,11 @@
 namespace aloft::agents {
 namespace {
 
-constexpr double mbps_per_kbps = 1e-3;
 constexpr std::int64_t never = -1;
 
 /// In Mbit/s or bit/s/Hz. For measured flights as given with the algorithm; for generated worlds chosen among 130
 /// settings on 300 trials of each of 1, 2.5 and 5 base stations per km2, seed 990001.
-struct Preset {
+struct BanditPreset {
   std::string_view prefix;
   std::string_view unit;
   double alpha;
@@ -23,16 +22,16 @@ struct Preset {
   double bias;
   double staleness;
 };
-constexpr Preset throughput_preset{"throughput", "mbps", 0.2, 2.0, 0.3, 0.6};
-constexpr Preset se_preset{"se", "bit_s_hz", 0.9, 6.0, 0.05, 0.6};
+constexpr BanditPreset throughput_preset{"throughput", "mbps", 0.2, 2.0, 0.3, 0.6};
+constexpr BanditPreset se_preset{"se", "bit_s_hz", 0.9, 6.0, 0.05, 0.6};
 
-constexpr const Preset& preset_of(QosKind kind) {
+constexpr const BanditPreset& preset_of(QosKind kind) {
   return kind == QosKind::throughput ? throughput_preset : se_preset;
 }
 
 std::vector<ParameterSpec> bandit_parameters() {
   std::vector<ParameterSpec> table;
-  for (const Preset& preset : {throughput_preset, se_preset}) {
+  for (const BanditPreset& preset : {throughput_preset, se_preset}) {
     const auto named = [&](std::string_view name) { return fmt::format("{}_{}", preset.prefix, name); };
     table.push_back(number_parameter(named("alpha"), preset.alpha, 0, 1, "Rate of the running average per height."));
     table.push_back(number_parameter(named(fmt::format("optimism_{}", preset.unit)), preset.optimism, -1'000, 1'000,
@@ -60,7 +59,7 @@ class LocalBandit final : public SteeringAgent {
   void observe(const Observation& observation) override {
     SteeringAgent::observe(observation);
     if (observation.step == 0) return;  // not scored
-    const double reward = observation.reward * (flight().qos == QosKind::throughput ? mbps_per_kbps : 1.0);
+    const double reward = in_learning_units(observation.reward, flight().qos);
     double& estimate = estimate_[level()];
     estimate = visited_[level()] == never ? reward : estimate + alpha_ * (reward - estimate);
     visited_[level()] = observation.step;
@@ -88,7 +87,7 @@ class LocalBandit final : public SteeringAgent {
   }
 
   void forget() {
-    const Preset& preset = preset_of(flight().qos);
+    const BanditPreset& preset = preset_of(flight().qos);
     const auto number = [&](std::string_view name) {
       return parameters().number(fmt::format("{}_{}", preset.prefix, name));
     };
@@ -119,7 +118,7 @@ class LocalBandit final : public SteeringAgent {
   std::vector<std::int64_t> visited_;  // per level: the last step there
 };
 
-const bool registered =
+const bool local_bandit_registered =
     register_agent({.name = "local-bandit",
                     .description = "Learns an average per height and explores the neighbouring heights; no network.",
                     .learns = true,

@@ -12,9 +12,10 @@ class MinHeight final : public SteeringAgent {
   Command act() override { return {height_m() > flight().height_min_m ? Action::down : Action::hold}; }
 };
 
-const bool registered = register_agent({.name = "min-height",
-                                        .description = "Flies at the lowest allowed height.",
-                                        .make = [](const Parameters& p) { return std::make_unique<MinHeight>(p); }});
+const bool min_height_registered = register_agent(
+    {.name = "min-height", .description = "Flies at the lowest allowed height.", .make = [](const Parameters& p) {
+       return std::make_unique<MinHeight>(p);
+     }});
 
 }  // namespace
 }  // namespace aloft::agents

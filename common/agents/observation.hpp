@@ -21,6 +21,11 @@ enum class Action : std::uint8_t {
   absolute,  ///< jump to a height: only for agents declared unconstrained
 };
 
+/// A quality in the units in which learners are tuned: Mbit/s, or bit/s/Hz.
+[[nodiscard]] constexpr double in_learning_units(double qos, QosKind kind) noexcept {
+  return qos * (kind == QosKind::throughput ? 1e-3 : 1.0);
+}
+
 /// What every agent may know before the flight.
 struct FlightInfo {
   QosKind qos = QosKind::spectral_efficiency;

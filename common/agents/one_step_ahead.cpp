@@ -32,7 +32,7 @@ class OneStepAhead final : public SteeringAgent {
   double target_m_ = 0.0;
 };
 
-const bool registered = register_agent(
+const bool one_step_ahead_registered = register_agent(
     {.name = "one-step-ahead",
      .description = "Knows the next step at every height and moves one step towards the best of them.",
      .privilege = Privilege::next_step,

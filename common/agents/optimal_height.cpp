@@ -28,7 +28,7 @@ class OptimalHeight final : public SteeringAgent {
   double target_m_ = 0.0;
 };
 
-const bool registered =
+const bool optimal_height_registered =
     register_agent({.name = "optimal-height",
                     .description = "Jumps to the best of all heights in every step: the unconstrained reference.",
                     .privilege = Privilege::next_step,

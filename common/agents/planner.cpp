@@ -78,7 +78,7 @@ class Planner final : public SteeringAgent {
   std::vector<std::int64_t> actions_;  // [steps flown * levels_ + level]
 };
 
-const bool registered =
+const bool planner_registered =
     register_agent({.name = "planner",
                     .description = "Knows the whole route and flies the best flight that is feasible: the upper bound.",
                     .privilege = Privilege::whole_route,

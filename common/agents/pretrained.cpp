@@ -185,7 +185,7 @@ nlohmann::json provenance() {
           {"training_config", nlohmann::json::parse(model.training_config)}};
 }
 
-const bool registered = register_agent(
+const bool pretrained_registered = register_agent(
     {.name = "pretrained",
      .description = "Flies by a network trained beforehand on generated worlds, frozen in flight.",
      .learns = true,

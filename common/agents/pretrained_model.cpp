@@ -14,7 +14,6 @@ namespace aloft::agents {
 namespace {
 
 constexpr std::uint32_t format_version = 1;
-constexpr std::size_t max_hidden_width = 4'096;
 
 [[noreturn]] void refuse(std::string_view where, std::string_view reason) {
   throw InputError(
@@ -34,8 +33,8 @@ PretrainedModel::Network take(const proto::Model& model, std::string_view qualit
   for (const proto::ModelNetwork& network : model.networks()) {
     if (network.quality() != quality) continue;
     const std::size_t width = network.hidden_width();
-    if (width < 1 || width > max_hidden_width)
-      refuse(where, fmt::format("its hidden layers have {} units, allowed are 1 to {}", width, max_hidden_width));
+    if (width < 1 || width > learn::max_layer_width)
+      refuse(where, fmt::format("its hidden layers have {} units, allowed are 1 to {}", width, learn::max_layer_width));
     const std::size_t needed = pretrained_shape(width).parameters();
     if (static_cast<std::size_t>(network.weights_size()) != needed)
       refuse(where, fmt::format("its network for {} has {} weights where {} are needed", quality,

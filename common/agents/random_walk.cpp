@@ -35,7 +35,7 @@ class RandomWalk final : public SteeringAgent {
   RandomStream random_{0, 0, stream_name};
 };
 
-const bool registered =
+const bool random_walk_registered =
     register_agent({.name = "random-walk",
                     .description = "Goes down, holds or goes up with equal probability.",
                     .make = [](const Parameters& parameters) { return std::make_unique<RandomWalk>(parameters); }});

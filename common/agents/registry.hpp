@@ -41,7 +41,7 @@ struct AgentType {
   std::function<std::uint32_t(const Parameters&)> lineages{};
 };
 
-/// Called once per agent file, at namespace scope: `const bool registered = register_agent({...});`
+/// Called once per agent file, at namespace scope: `const bool dqn_registered = register_agent({...});`
 bool register_agent(AgentType type);
 
 /// All types, sorted by name.
@@ -56,7 +56,7 @@ struct AgentSpec {
   std::string name;  ///< e.g. "constant-120"
   std::string type;  ///< e.g. "constant"
   Parameters parameters;
-  std::vector<CrewMember> crew{};  ///< of a relay, else empty: see relay.hpp
+  std::vector<CrewMember> crew;  ///< of a relay, else empty: see relay.hpp
 
   /// std::logic_error for a relay: make its members.
   [[nodiscard]] std::unique_ptr<Agent> make() const;

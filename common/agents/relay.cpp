@@ -109,15 +109,15 @@ std::size_t written_pilot(const std::vector<CrewMember>& crew, std::uint32_t ste
 
 namespace {
 
-std::unique_ptr<Agent> refuse_to_make(const Parameters& /*parameters*/) {
+std::unique_ptr<Agent> refuse_relay(const Parameters& /*parameters*/) {
   throw std::logic_error("a relay is flown by its crew");
 }
 
-const bool registered =
+const bool relay_registered =
     register_agent({.name = "relay",
                     .description = "Several agents share a flight: relieve each other, follow as shadows, take over.",
                     .relay = true,
-                    .make = refuse_to_make});
+                    .make = refuse_relay});
 
 }  // namespace
 

@@ -21,9 +21,9 @@ TEST_CASE("the generator is Philox4x32-10: the published known-answer vector") {
 TEST_CASE("streams are a pure function of seed, trial and name") {
   RandomStream a(7, 3, "city");
   RandomStream b(7, 3, "city");
-  std::vector<std::uint32_t> first;
-  for (int i = 0; i < 100; ++i) first.push_back(a.next_u32());
-  for (int i = 0; i < 100; ++i) CHECK(b.next_u32() == first[static_cast<std::size_t>(i)]);
+  std::vector<std::uint32_t> first(100);
+  for (std::uint32_t& word : first) word = a.next_u32();
+  for (const std::uint32_t word : first) CHECK(b.next_u32() == word);
   CHECK(RandomStream(8, 3, "city").next_u32() != first[0]);
   CHECK(RandomStream(7, 4, "city").next_u32() != first[0]);
   CHECK(RandomStream(7, 3, "fading").next_u32() != first[0]);

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t max_name_length = 200;
+constexpr std::size_t max_world_name_length = 200;
 
 WorldKind kind_of(const OrderedJson& world, const std::string& where) {
   const auto kind = world.find("kind");
@@ -36,9 +36,9 @@ std::string name_of(const OrderedJson& world, const std::string& where) {
   std::string text = is_text ? name->get<std::string>() : "";
   const bool printable =
       std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= ' '; });
-  if (text.empty() || text.size() > max_name_length || !printable)
+  if (text.empty() || text.size() > max_world_name_length || !printable)
     throw InputError(fmt::format("{}.name: {} is not allowed; use a text of 1 to {} characters on one line", where,
-                                 name->dump(), max_name_length));
+                                 name->dump(), max_world_name_length));
   return text;
 }
 

@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-const std::filesystem::path source_dir = ALOFT_SOURCE_DIR;
+const std::filesystem::path repository = ALOFT_SOURCE_DIR;
 
 Json& agent_rules(Json& schema) {
   return schema["properties"]["agents"]["items"]["anyOf"][1]["allOf"];
@@ -22,7 +22,7 @@ Json& agent_rules(Json& schema) {
 }  // namespace
 
 TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tables") {
-  const auto file = source_dir / "data/schema/experiment.schema.json";
+  const auto file = repository / "data/schema/experiment.schema.json";
   Json made = experiment_schema();
   if (std::getenv("ALOFT_WRITE_SCHEMA") != nullptr) write_text_file(file, made.dump(2) + "\n");
   Json shipped = Json::parse(read_text_file(file));
@@ -38,7 +38,7 @@ TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tab
 }
 
 TEST_CASE("the schema accepts what the shipped experiments hold, and their resolved forms") {
-  for (const auto& entry : std::filesystem::directory_iterator(source_dir / "data/experiments")) {
+  for (const auto& entry : std::filesystem::directory_iterator(repository / "data/experiments")) {
     INFO(entry.path());
     CHECK(schema_errors(Json::parse(read_text_file(entry.path()))).empty());
     CHECK(schema_errors(load(entry.path()).canonical) == std::vector<std::string>{});

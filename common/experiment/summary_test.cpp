@@ -6,7 +6,7 @@
 using namespace aloft;
 using namespace aloft::experiment;
 using Catch::Matchers::Contains;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 namespace {
 
@@ -18,8 +18,8 @@ Experiment two_conditions() {
   experiment.trials = 4;
   experiment.conditions.push_back({0, "bs_density_per_km2=1", {{"bs_density_per_km2", 1}}, WorldKind::generated, {}});
   experiment.conditions.push_back({1, "canal, \"real\"", nlohmann::json::object(), WorldKind::measured, {}});
-  experiment.agents.push_back({"dqn", "dqn", {}});
-  experiment.agents.push_back({"min-height", "min-height", {}});
+  experiment.agents.push_back({"dqn", "dqn", {}, {}});
+  experiment.agents.push_back({"min-height", "min-height", {}, {}});
   return experiment;
 }
 
@@ -33,20 +33,20 @@ std::vector<FlightScore> some_scores() {
 }  // namespace
 
 TEST_CASE("a summary gives every statistic of every agent, by hand") {
-  const Json summary = summarise(two_conditions(), some_scores(), "1.2.3");
+  const OrderedJson summary = summarise(two_conditions(), some_scores(), "1.2.3");
   CHECK(summary["experiment"] == "hand-made");
   CHECK(summary["experiment_id"] == "0123456789abcdef");
   CHECK(summary["seed"] == 18446744073709551615U);
   CHECK(summary["build"] == "1.2.3");
   CHECK(summary["qos_unit"].is_null());
   REQUIRE(summary["conditions"].size() == 2);
-  const Json& condition = summary["conditions"][0];
+  const OrderedJson& condition = summary["conditions"][0];
   CHECK(condition["name"] == "bs_density_per_km2=1");
   CHECK(condition["qos_unit"] == "bit/s/Hz");
   CHECK(condition["parameters"]["kind"] == "generated");
   CHECK(condition["agents"].begin().key() == "dqn");  // the experiment's order
 
-  const Json& dqn = condition["agents"]["dqn"];
+  const OrderedJson& dqn = condition["agents"]["dqn"];
   CHECK(dqn["trials"] == 3);
   CHECK(dqn["qos_mean"].get<double>() == Approx(38.0));
   CHECK(dqn["qos_median"] == 9.0);
@@ -60,21 +60,21 @@ TEST_CASE("a summary gives every statistic of every agent, by hand") {
   CHECK(dqn["qos_ci95"][1] == 100.0);
   // Paired on trials 0 and 1 alone: gains 1 and 3.
   CHECK(dqn["gain_over_min_height_mean"] == 2.0);
-  CHECK(dqn["gain_over_min_height_ci95"] == Json::array({1.0, 3.0}));
+  CHECK(dqn["gain_over_min_height_ci95"] == OrderedJson::array({1.0, 3.0}));
 }
 
 TEST_CASE("min-height gains nothing over itself") {
-  const Json summary = summarise(two_conditions(), some_scores(), "");
-  const Json& agent = summary["conditions"][0]["agents"]["min-height"];
+  const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
+  const OrderedJson& agent = summary["conditions"][0]["agents"]["min-height"];
   CHECK(agent["gain_over_min_height_mean"] == 0.0);
-  CHECK(agent["gain_over_min_height_ci95"] == Json::array({0.0, 0.0}));
+  CHECK(agent["gain_over_min_height_ci95"] == OrderedJson::array({0.0, 0.0}));
 }
 
 TEST_CASE("what was not flown is null, never zero") {
-  const Json summary = summarise(two_conditions(), some_scores(), "");
-  const Json& measured = summary["conditions"][1];
+  const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
+  const OrderedJson& measured = summary["conditions"][1];
   CHECK(measured["qos_unit"] == "kbit/s");
-  const Json& missing = measured["agents"]["min-height"];
+  const OrderedJson& missing = measured["agents"]["min-height"];
   CHECK(missing["trials"] == 0);
   CHECK(missing["qos_mean"].is_null());
   CHECK(missing["qos_ci95"].is_null());

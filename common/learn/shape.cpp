@@ -1,5 +1,7 @@
 #include "common/learn/shape.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 
@@ -17,6 +19,8 @@ void NetworkShape::check() const {
     const LayerShape& layer = layers[i];
     const bool last = i + 1 == layers.size();
     if (layer.inputs == 0 || layer.outputs == 0) throw std::logic_error("a layer of a network has no width");
+    if (layer.inputs > max_layer_width || layer.outputs > max_layer_width)
+      throw std::logic_error(fmt::format("a layer of a network is wider than {}", max_layer_width));
     if (!last && layer.outputs != layers[i + 1].inputs)
       throw std::logic_error("the layers of a network do not fit together");
     if (layer.activation == (last ? Activation::relu : Activation::softplus))

@@ -18,6 +18,9 @@ struct LayerShape {
   friend bool operator==(const LayerShape&, const LayerShape&) = default;
 };
 
+/// Rows of a layer are counted in `int` by the kernels.
+inline constexpr std::size_t max_layer_width = 4'096;
+
 /// A feed-forward network. Hidden layers are linear or ReLU, the output layer linear or softplus.
 struct NetworkShape {
   std::vector<LayerShape> layers;
@@ -26,7 +29,8 @@ struct NetworkShape {
   [[nodiscard]] std::size_t outputs() const noexcept { return layers.back().outputs; }
   [[nodiscard]] std::size_t parameters() const noexcept;
   friend bool operator==(const NetworkShape&, const NetworkShape&) = default;
-  /// std::logic_error if the layers do not fit together or use an activation in the wrong place.
+  /// std::logic_error if the layers do not fit together, are wider than max_layer_width or use an activation in the
+  /// wrong place.
   void check() const;
 };
 

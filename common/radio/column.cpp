@@ -46,8 +46,9 @@ std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position p
 }
 
 std::uint32_t ColumnBuilder::first_los(std::uint32_t k) {
-  if (!first_los_[k]) first_los_[k] = scene_.first_los(scene_.blocking_height_m(position_, k));
-  return *first_los_[k];
+  auto& known = first_los_[k];
+  if (!known) known = scene_.first_los(scene_.blocking_height_m(position_, k));
+  return *known;
 }
 
 const double* ColumnBuilder::power_w(std::uint32_t k) {

@@ -52,7 +52,7 @@ TEST_CASE("SINR follows from throughput by the published pairs") {
   CHECK(world::sinr_from_throughput_db(76'650) == Approx(20.2));
   CHECK(world::sinr_from_throughput_db(22'960) == Approx(0.4));    // 6.06 Mbit/s below the first pair: -3 dB
   CHECK(world::sinr_from_throughput_db(106'500) == Approx(29.3));  // 29.85 Mbit/s above the last: +9.1 dB
-  for (double kbps = 0; kbps < 120'000; kbps += 10)
+  for (int kbps = 0; kbps < 120'000; kbps += 10)
     REQUIRE(world::sinr_from_throughput_db(kbps + 10) > world::sinr_from_throughput_db(kbps));
 }
 

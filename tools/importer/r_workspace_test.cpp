@@ -45,15 +45,16 @@ std::string refusal(const std::string& bytes) {
   return "";
 }
 
-const std::vector<Object> small{{"history", std::vector<double>{1.0}, true},
-                                {"rate", std::vector<double>{46905.66015625, 0.1, -1e300}},
-                                {"level", std::vector<std::int32_t>{1, -7, std::numeric_limits<std::int32_t>::min()}},
-                                {"empty", std::vector<double>{}}};
+const std::vector<Object> small_workspace{
+    {"history", std::vector<double>{1.0}, true},
+    {"rate", std::vector<double>{46905.66015625, 0.1, -1e300}},
+    {"level", std::vector<std::int32_t>{1, -7, std::numeric_limits<std::int32_t>::min()}},
+    {"empty", std::vector<double>{}}};
 
 }  // namespace
 
 TEST_CASE("numeric vectors come back bit for bit, lists are passed over") {
-  const File file(gzip(xdr_workspace(small)));
+  const File file(gzip(xdr_workspace(small_workspace)));
   const NumericVectors vectors = read_r_workspace(file.path());
   CHECK(vectors.at("rate") == std::vector<double>{46905.66015625, 0.1, -1e300});
   REQUIRE(vectors.at("level").size() == 3);
@@ -66,7 +67,7 @@ TEST_CASE("numeric vectors come back bit for bit, lists are passed over") {
 TEST_CASE("what is no gzip file, or no R workspace inside, is refused with the reason") {
   CHECK_THAT(refusal(""), Contains("empty"));
   CHECK_THAT(refusal("step,height_m\n1,20\n"), Contains("not a gzip file") && Contains("save("));
-  CHECK_THAT(refusal(xdr_workspace(small)), Contains("not a gzip file"));
+  CHECK_THAT(refusal(xdr_workspace(small_workspace)), Contains("not a gzip file"));
   CHECK_THAT(refusal(gzip("hello")), Contains("no R workspace"));
   CHECK_THAT(refusal(gzip("")), Contains("no R workspace"));
   CHECK_THROWS_WITH(read_r_workspace("/no/such/file.Rdata"),
@@ -75,7 +76,7 @@ TEST_CASE("what is no gzip file, or no R workspace inside, is refused with the r
 }
 
 TEST_CASE("a workspace cut short at any byte is refused, packed or unpacked") {
-  const std::string whole = xdr_workspace(small);
+  const std::string whole = xdr_workspace(small_workspace);
   const std::string packed = gzip(whole);
   for (std::size_t length = 2; length < packed.size(); ++length) {
     INFO("packed, " << length << " of " << packed.size());
@@ -88,7 +89,7 @@ TEST_CASE("a workspace cut short at any byte is refused, packed or unpacked") {
 }
 
 TEST_CASE("damaged gzip data are refused") {
-  std::string packed = gzip(xdr_workspace(small));
+  std::string packed = gzip(xdr_workspace(small_workspace));
   packed[packed.size() - 6] = static_cast<char>(packed[packed.size() - 6] ^ 1);  // the checksum
   CHECK_THAT(refusal(packed), Contains("damaged"));
 }

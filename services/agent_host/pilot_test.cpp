@@ -239,7 +239,7 @@ TEST_CASE("an agent that lost its memory before handing it over flies again; a b
 }
 
 TEST_CASE("an agent that fails asks for the flight to start again") {
-  const agents::AgentSpec broken{"broken", "external", {}};
+  const agents::AgentSpec broken{"broken", "external", {}, {}};
   Pilot pilot(broken, 7);
   REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
   think(pilot);

@@ -45,7 +45,9 @@ profile() {
 }
 
 # The names as Linux cuts them to 15 characters, made whole again.
-whole_names() { sed 's/aloft-learning-\b/aloft-learning-agent/; s/aloft-learning |/aloft-learning-agent |/; s/aloft-baseline-\b/aloft-baseline-agent/; s/aloft-environme\b/aloft-environment/; s/aloft-coordinat\b/aloft-coordinator/'; }
+whole_names() {
+  sed 's/aloft-learning- /aloft-learning-agent /; s/aloft-baseline- /aloft-baseline-agent /; s/aloft-environme /aloft-environment /; s/aloft-coordinat /aloft-coordinator /'
+}
 
 # growth FILTER: one row per argument, with the time per base station.
 growth() {

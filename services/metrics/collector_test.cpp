@@ -24,7 +24,7 @@ experiment::Experiment small_experiment() {
   experiment.id = "0123456789abcdef";
   experiment.trials = 100;
   experiment.conditions.resize(2);
-  for (const char* name : {"min-height", "constant-120"}) experiment.agents.push_back({name, name, {}});
+  for (const char* name : {"min-height", "constant-120"}) experiment.agents.push_back({name, name, {}, {}});
   return experiment;
 }
 

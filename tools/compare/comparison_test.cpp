@@ -23,7 +23,7 @@ Experiment experiment(const std::string& id, std::uint64_t seed, const std::vect
     condition.index = static_cast<std::uint32_t>(made.conditions.size() - 1);
     condition.name = name;
   }
-  for (const std::string& name : agents) made.agents.push_back({name, name, {}});
+  for (const std::string& name : agents) made.agents.push_back({name, name, {}, {}});
   return made;
 }
 

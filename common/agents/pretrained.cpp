@@ -134,7 +134,7 @@ class Pretrained final : public SteeringAgent {
     writer.put("level_steps", std::span<const std::int64_t>(level_steps));
     writer.put("past", std::span<const float>(past));
     writer.put("se", std::span<const float>(memory.se));
-    writer.put_integer("reports", static_cast<std::uint64_t>(memory.steps + 1));
+    writer.put_integer("reports", static_cast<std::uint64_t>(std::int64_t{memory.steps} + 1));
     writer.put_integer("level", memory.level);
     writer.put_number("qos_sum", memory.qos_sum);
     writer.put_number("qos_max", static_cast<double>(memory.qos_max));

@@ -9,29 +9,16 @@
 #include <bit>
 #include <mutex>
 
+#include "common/bus/rtps_message.hpp"
+
 namespace aloft::bus {
 namespace {
 
 namespace transport = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 
-// RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6 and 7.4.7.
-constexpr std::size_t message_header_bytes = 20;
-constexpr std::size_t submessage_header_bytes = 4;
 constexpr unsigned first_vendor_kind = 0x80;
-enum Kind : unsigned {
-  pad = 0x01,
-  acknack = 0x06,
-  heartbeat = 0x07,
-  info_ts = 0x09,
-  info_dst = 0x0e,
-  data = 0x15,
-  data_frag = 0x16,
-  sec_body = 0x30,
-  sec_prefix = 0x31,
-  sec_postfix = 0x32
-};
-// Endpoints by what they write.
+// Endpoints by what they write: RTPS 2.2, 9.3.1.5; DDS Security 1.1, 7.4.7.
 constexpr unsigned announcements = 0x000100c2;
 constexpr unsigned handshakes = 0x000201c3;
 // Of these the encrypted twins are used; they themselves stay empty, and tell each other so.
@@ -48,6 +35,7 @@ unsigned endpoint_at(std::size_t offset, const unsigned char* content, std::size
 }
 
 bool permitted(unsigned kind, const unsigned char* content, std::size_t size) noexcept {
+  using namespace rtps_message;
   switch (kind) {
     case pad:
     case info_ts:
@@ -118,18 +106,7 @@ std::shared_ptr<transport::TransportDescriptorInterface> for_secured_run(
 }
 
 bool permitted_in_secured_run(const unsigned char* bytes, std::size_t size) noexcept {
-  for (std::size_t at = message_header_bytes; at < size;) {
-    if (size - at < submessage_header_bytes) return false;
-    const unsigned kind = bytes[at];
-    const bool little_endian = (bytes[at + 1] & 1U) != 0;
-    std::size_t length = little_endian ? bytes[at + 2] + 256U * bytes[at + 3] : bytes[at + 3] + 256U * bytes[at + 2];
-    at += submessage_header_bytes;
-    if (length > size - at) return false;
-    if (length == 0 && kind != info_ts && kind != pad) length = size - at;  // the last one
-    if (!permitted(kind, bytes + at, length)) return false;
-    at += (length + 3) & ~std::size_t{3};  // as the middleware walks
-  }
-  return true;
+  return rtps_message::all_submessages(bytes, size, permitted);
 }
 
 }  // namespace aloft::bus

@@ -23,6 +23,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/random.hpp"
+#include "common/bus/rtps_message.hpp"
 
 namespace aloft::bus {
 namespace {
@@ -41,22 +42,13 @@ unsigned number(std::string_view name, std::string_view text, unsigned limit) {
   throw InputError(fmt::format("{}: {}={} is out of range; allowed: 0 to {}", variable, name, text, limit));
 }
 
-// RTPS 2.2, 8.3 and 9.4.
-constexpr std::size_t message_header_bytes = 20;
-constexpr std::size_t submessage_header_bytes = 4;
-enum Submessage : rtps::octet { acknack = 0x06, heartbeat = 0x07, gap = 0x08, data = 0x15, data_frag = 0x16 };
-
 /// The kinds of submessages in a message, each once.
-std::set<rtps::octet> kinds_in(const rtps::octet* bytes, std::size_t size) {
-  std::set<rtps::octet> kinds;
-  for (std::size_t at = message_header_bytes; at + submessage_header_bytes <= size;) {
-    kinds.insert(bytes[at]);
-    const bool little_endian = (bytes[at + 1] & 1U) != 0;
-    const std::size_t length =
-        little_endian ? bytes[at + 2] + 256U * bytes[at + 3] : bytes[at + 3] + 256U * bytes[at + 2];
-    if (length == 0) break;  // the last one, up to the end
-    at += submessage_header_bytes + length;
-  }
+std::set<unsigned> kinds_in(const rtps::octet* bytes, std::size_t size) {
+  std::set<unsigned> kinds;
+  rtps_message::all_submessages(bytes, size, [&](unsigned kind, const rtps::octet* /*content*/, std::size_t /*size*/) {
+    kinds.insert(kind);
+    return true;
+  });
   return kinds;
 }
 
@@ -174,7 +166,8 @@ class FaultyTransport : public transport::ChainingTransport {
   bool lost(const rtps::octet* bytes, std::size_t size) {
     const TestFaults& faults = descriptor_.faults;
     if (chance(faults.any)) return true;
-    const std::set<rtps::octet> kinds = kinds_in(bytes, size);
+    using namespace rtps_message;
+    const std::set<unsigned> kinds = kinds_in(bytes, size);
     return (kinds.contains(data) && chance(faults.data)) || (kinds.contains(data_frag) && chance(faults.data_frag)) ||
            (kinds.contains(heartbeat) && chance(faults.heartbeat)) ||
            (kinds.contains(acknack) && chance(faults.acknack)) || (kinds.contains(gap) && chance(faults.gap));

@@ -110,7 +110,7 @@ class PlainRadio {
   [[nodiscard]] double fading(std::uint32_t point, std::uint32_t c, std::uint32_t k, double h) const {
     const RandomStream stream(seed, trial, "fading");
     if (world_.text("fading") == "none") return 1.0;
-    const auto height = static_cast<std::uint32_t>(h - 40 + 0.5);
+    const auto height = static_cast<std::uint32_t>(std::lround(h - 40));
     if (world_.text("fading") == "correlated")  // constant over height: |amplitude|^2 of the first
       return -std::log((stream.block(point, c * 65536 + k, 0)[0] + 0.5) / 4294967296.0);
     return -std::log((stream.block(point, c * 65536 + k, height / 4).at(height % 4) + 0.5) / 4294967296.0);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "common/radio/generated_world.hpp"
@@ -119,8 +120,8 @@ TEST_CASE("no power exceeds its bound") {
 TEST_CASE("rows have the bits of the formulas alone, whatever the vector width") {
   for (const char* preset : {"published", "paper-text"}) {
     const RadioModel model = model_of({{"preset", preset}});
-    std::vector<double> rise_m;
-    for (int i = 0; i < 203; ++i) rise_m.push_back(10.0 + i);
+    std::vector<double> rise_m(203);
+    std::iota(rise_m.begin(), rise_m.end(), 10.0);
     std::vector<double> power_w(rise_m.size());
     std::vector<double> nearest_m(rise_m.size());
     std::vector<double> farthest_m(rise_m.size());

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # clang-format and clang-tidy over all sources. clang-tidy skips what has not changed, headers and settings included,
 # since it last passed (build/lint/ remembers).
-#   tools/lint.sh [--format-only | --product]    --product: clang-tidy leaves out tests and benchmarks
+#   tools/lint.sh [--format-only | --core]    --core: clang-tidy over common/ without its tests and the bus, as in CI
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -27,6 +27,6 @@ check() {
 }
 export -f check
 left_out=(-e '/idl/' -e '\.c$')
-[ "${1:-}" != --product ] || left_out+=(-e '_tests\.dir/' -e '/tests/' -e '/bench/')
+[ "${1:-}" != --core ] || left_out+=(-e '_tests\.dir/' -e '/tests/' -e '/bench/' -e '/services/' -e '/tools/' -e '/bus/')
 sed -n 's/^ *"file": "\(.*\)".*$/\1/p' "$lint/compile_commands.json" | grep -v "${left_out[@]}" |
   xargs -P "$(nproc)" -I{} bash -c 'check {}'

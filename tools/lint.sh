@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # clang-format and clang-tidy over all sources. clang-tidy skips what has not changed, headers and settings included,
 # since it last passed (build/lint/ remembers).
-#   tools/lint.sh [--format-only | --core]    --core: clang-tidy over common/ without its tests and the bus, as in CI
+#   tools/lint.sh [--format-only | --core]    --core: clang-tidy over common/ only, without its tests and the bus
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -22,7 +22,7 @@ check() {
   sources=$(sed -n 's/^#include "\(\/.*\)"$/\1/p' "$1")  # of a unity file; else it is a source itself
   stamp=$lint/passed/$( (echo "$headers"; cat "$1" ${sources:+$sources}) | sha256sum | cut -d' ' -f1)
   [ -f "$stamp" ] && return 0
-  clang-tidy-16 --quiet --extra-arg=-Wno-shadow --checks=-bugprone-suspicious-include -p "$lint" "$1" 2>/dev/null || { echo "clang-tidy: $1 failed" >&2; return 1; }
+  timeout 600 clang-tidy-16 --quiet --extra-arg=-Wno-shadow --checks=-bugprone-suspicious-include -p "$lint" "$1" 2>/dev/null || { echo "clang-tidy: $1 failed" >&2; return 1; }
   touch "$stamp"
 }
 export -f check

@@ -107,11 +107,6 @@ void secure(const KeyFiles& files, dds::DomainParticipantQos& qos) {
   properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
-std::chrono::milliseconds lease_of(const BusOptions& options) {
-  if (!options.secure.empty()) return secured_lease;
-  return options.discovery_server.empty() ? options.lease : served_lease;
-}
-
 dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
@@ -126,7 +121,7 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   qos.transport().user_transports.push_back(options.secure.empty() ? network : for_secured_run(network));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.leaseDuration = duration(lease_of(options));
+  discovery.leaseDuration = duration(longest_standstill(options).value_or(options.lease));
   // Everybody tells everybody: with n processes on a host, n * n messages per period, also while nothing is flown.
   discovery.leaseDuration_announcementperiod = duration(options.lease / 3);
   discovery.initial_announcements.count = 5;
@@ -138,6 +133,12 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
 }
 
 }  // namespace
+
+std::optional<std::chrono::milliseconds> longest_standstill(const BusOptions& options) noexcept {
+  if (!options.secure.empty()) return secured_lease;
+  if (!options.discovery_server.empty()) return served_lease;
+  return std::nullopt;
+}
 
 Participant::Participant(const BusOptions& options) : state_(std::make_shared<State>(options)) {}
 
@@ -210,12 +211,13 @@ void Participant::State::mediate() {
   while (!ending_) {
     mediation_needed_.wait(lock, [this] { return ending_ || is_asked_ || may_miss_somebody_; });
     const bool asked = std::exchange(is_asked_, false);
+    may_miss_somebody_ = false;
     lock.unlock();
     if (asked) introduce_ourselves();
     if (const auto question = neighbourhood.reunion().question(Reunion::Clock::now())) ask(*question);
     const bool waits = neighbourhood.reunion().waits();
     lock.lock();
-    may_miss_somebody_ = waits;
+    may_miss_somebody_ = may_miss_somebody_ || waits;  // somebody may have come back meanwhile
     mediation_needed_.wait_for(lock, period, [this] { return ending_; });
   }
 }

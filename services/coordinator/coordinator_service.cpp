@@ -154,7 +154,7 @@ class Conversation {
     const Progress progress = coordinator_.progress(now);
     const bool changed = progress.flights_stored != told_.flights_stored || progress.message != told_.message ||
                          progress.workers_alive != told_.workers_alive;
-    if (now - told_at_ < (changed ? status_time_on_change : status_time)) return;
+    if (!changed && now - told_at_ < status_time) return;
     told_at_ = now;
     if (!progress.message.empty() && (told_.message.empty() || now - said_at_ >= say_again_time)) {
       spdlog::warn("{}", progress.message);
@@ -166,11 +166,10 @@ class Conversation {
                    progress.flights_total, progress.flights_per_s, progress.workers_alive);
     }
     told_ = progress;
-    write_status(wire::RUN_RUNNING, progress.message);
+    write_status(wire::RUN_RUNNING, progress, progress.message);
   }
 
-  void write_status(wire::RunState state, std::string_view message) {
-    const Progress progress = coordinator_.progress(Clock::now());
+  void write_status(wire::RunState state, const Progress& progress, std::string_view message) {
     wire::RunStatus status;
     status.experiment_id(wire::experiment_id(experiment_.id));
     status.state(state);
@@ -213,7 +212,7 @@ class Conversation {
     std::vector<std::string> failures = coordinator_.failure_report();
     if (!collector_failure_.empty()) failures.insert(failures.begin(), collector_failure_);
     failures.resize(std::min(failures.size(), failures_told));
-    write_status(state, fmt::format("{}", fmt::join(failures, "\n")));
+    write_status(state, coordinator_.progress(Clock::now()), fmt::format("{}", fmt::join(failures, "\n")));
     const auto until = Clock::now() + farewell_time;
     if (!controls_.wait_acknowledged(farewell_time)) spdlog::warn("not everyone has heard that the run is over");
     statuses_.wait_acknowledged(

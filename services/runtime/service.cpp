@@ -104,13 +104,9 @@ int serve(const CommonOptions& options, const ServiceInfo& info, const std::func
   open_log(options, info);
   Service service{options.bus, stop, notifier};
   service.bus.process = info.name;
+  if (!service.bus.secure.empty()) service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
   std::optional<StandstillWatch> watch;
-  if (!service.bus.secure.empty()) {
-    service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
-    watch.emplace(bus::secured_lease, end_to_be_started_again());
-  } else if (!service.bus.discovery_server.empty()) {
-    watch.emplace(bus::served_lease, end_to_be_started_again());
-  }
+  if (const auto limit = bus::longest_standstill(service.bus)) watch.emplace(*limit, end_to_be_started_again());
   spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);
   run(service);
   spdlog::info("ends{}", stop.interrupted() ? " because a signal asked" : "");

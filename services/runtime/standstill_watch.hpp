@@ -32,9 +32,8 @@ class StandstillWatch {
 /// The exit code of a process with which nothing is wrong, but only a new one can go on; who supervises it starts that.
 inline constexpr int exit_start_again = 75;
 
-/// For a process of a secured run, which nobody can authenticate again who has forgotten it (bus::secured_lease), and
-/// of a run with a discovery server (bus::served_lease): ends the process with exit_start_again, and says so in the
-/// log.
+/// For a process that others who have forgotten it cannot take in again (bus::longest_standstill): ends it with
+/// exit_start_again, and says so in the log.
 [[nodiscard]] StandstillWatch::React end_to_be_started_again();
 
 }  // namespace aloft::runtime

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <thread>
 
 #include "common/base/cores.hpp"
@@ -14,21 +13,16 @@
 #include "common/store/result_store.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "tools/aloft/in_process.hpp"
+#include "tools/aloft/interrupt.hpp"
 #include "tools/aloft/local_run.hpp"
 
 namespace aloft::cli {
 namespace {
 
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "set in a signal handler");
-
-extern "C" void note_interrupt(int /*signal*/) {
-  interrupted = true;
-}
-
 /// Returns true if every flight is stored; what failed for good is added to `failures`.
 bool fly_missing(const experiment::Experiment& experiment, const std::filesystem::path& dir,
-                 const FlyingOptions& options, std::vector<std::string>& failures) {
+                 const FlyingOptions& options, const std::atomic<bool>& interrupted,
+                 std::vector<std::string>& failures) {
   const std::uint64_t total =
       std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size();
   auto results = std::make_unique<store::ResultStore>(store::ResultStore::open_for_writing(dir, experiment));
@@ -42,13 +36,13 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
-    const LocalRun local{dir,
-                         options.workers,
-                         options.learner_threads_per_worker(),
-                         !options.unpinned,
-                         options.fail_fast,
-                         options.shuffled,
-                         options.bus};
+    const LocalRun local{.dir = dir,
+                         .workers = options.workers,
+                         .learner_threads = options.learner_threads_per_worker(),
+                         .pinned = !options.unpinned,
+                         .fail_fast = options.fail_fast,
+                         .shuffled = options.shuffled,
+                         .place = options.bus};
     complete = run_local(local, experiment, progress, interrupted, failures);
   }
   progress.finish();
@@ -91,12 +85,11 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
                    const FlyingOptions& options) {
   if (options.in_process && options.workers == 0)
     throw InputError("--workers 0: --in-process needs a thread at least; use 1 to 64");
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
+  const std::atomic<bool>& interrupted = note_interrupts();
   for (const experiment::Warning& warning : experiment::warnings(experiment))
     fmt::print(stderr, "warning: {}\n", warning.text);
   std::vector<std::string> failures;
-  const bool complete = fly_missing(experiment, dir, options, failures);
+  const bool complete = fly_missing(experiment, dir, options, interrupted, failures);
   for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", line);
   if (interrupted) {
     fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n",

@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <csignal>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -15,6 +14,7 @@
 #include "common/base/error.hpp"
 #include "common/experiment/text_file.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/interrupt.hpp"
 #include "tools/train/config.hpp"
 #include "tools/train/parallel.hpp"
 #include "tools/train/trainer.hpp"
@@ -27,12 +27,6 @@ struct TrainOptions {
   std::filesystem::path out;
   unsigned threads = usable_cores();
 };
-
-std::atomic<bool> interrupted = false;
-
-extern "C" void note_training_interrupt(int /*signal*/) {
-  interrupted = true;
-}
 
 /// The networks that a model holds.
 constexpr std::array kinds{agents::QosKind::spectral_efficiency, agents::QosKind::throughput};
@@ -97,11 +91,11 @@ std::filesystem::path checkpoint_of(const TrainOptions& options, agents::QosKind
 
 /// Trains the network of one side, from its checkpoint if there is one.
 std::vector<float> train_side(const TrainOptions& options, std::size_t side, const Parameters& settings,
-                              unsigned threads, Desk& desk) {
+                              unsigned threads, Desk& desk, const std::atomic<bool>& interrupted) {
   const std::filesystem::path checkpoint = checkpoint_of(options, kinds.at(side));
   const train::Watch watch{
       [&](const std::string& phase, double share) { desk.progress(side, phase, share); },
-      [] { return interrupted.load(); },
+      [&] { return interrupted.load(); },
   };
   train::Trainer trainer(kinds.at(side), settings, threads, watch);
   if (std::filesystem::exists(checkpoint)) {
@@ -129,8 +123,7 @@ int train_pretrained(const TrainOptions& options) {
   const train::Config config = train::read_config(options.config);
   if (!options.out.parent_path().empty() && !std::filesystem::is_directory(options.out.parent_path()))
     throw InputError(fmt::format("{}: its folder does not exist; create it first", options.out.string()));
-  std::signal(SIGINT, note_training_interrupt);
-  std::signal(SIGTERM, note_training_interrupt);
+  const std::atomic<bool>& interrupted = note_interrupts();
   Desk desk(options.out.string() + ".log");
   agents::PretrainedModel model;
   // Fitting uses one thread, so the two networks are trained side by side.
@@ -140,7 +133,7 @@ int train_pretrained(const TrainOptions& options) {
       const Parameters& settings = side == 0 ? config.spectral_efficiency : config.throughput;
       auto& network = side == 0 ? model.spectral_efficiency : model.throughput;
       network.hidden_width = static_cast<std::size_t>(settings.integer("hidden_width"));
-      network.weights = train_side(options, side, settings, options.threads / sides, desk);
+      network.weights = train_side(options, side, settings, options.threads / sides, desk, interrupted);
     });
   } catch (const train::Interrupted&) {
     desk.say("Interrupted. The same command goes on after the last round that was finished.");

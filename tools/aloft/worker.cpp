@@ -187,10 +187,10 @@ int work(WorkerOptions options) {
   if (!options.named) options.name = unique_name();
   if (options.log_dir.empty()) options.log_dir = std::filesystem::path("log") / options.name;
   options.bus.process = "aloft-worker-" + options.name;
-  const bool secured = !options.bus.secure.empty();
   Membership membership(options);
   std::optional<runtime::StandstillWatch> watch;
-  if (secured) watch.emplace(bus::secured_lease, runtime::end_to_be_started_again());
+  if (const auto limit = bus::longest_standstill(options.bus))
+    watch.emplace(*limit, runtime::end_to_be_started_again());
   return membership.run();
 }
 

@@ -5,7 +5,7 @@ namespace bench_floor {
 
 /// Multiply-add instructions of one call.
 inline constexpr int chains = 12;  // more than latency times ports
-inline constexpr long repetitions = 20'000;
+inline constexpr long repetitions = 150'000;
 inline constexpr double instructions_per_turn = static_cast<double>(chains) * repetitions;
 
 void avx2_loop();    ///< 8 multiply-adds per instruction

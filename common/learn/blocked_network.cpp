@@ -68,6 +68,7 @@ void BlockedNetwork::build_layers() {
   }
   order_.resize(widest);
   gradients_.resize(widest);
+  gradient_groups_.resize(gradient_groups * widest);
   network_.layer_count = static_cast<int>(layers_.size());
   network_.layers = layers_.data();
   for (float** array : {&network_.output, &network_.slope, &network_.targets, &network_.counted, &network_.delta,
@@ -75,6 +76,7 @@ void BlockedNetwork::build_layers() {
     *array = allocate((widest + lanes) * lanes);
   network_.order = order_.data();
   network_.gradients = gradients_.data();
+  network_.gradient_groups = gradient_groups_.data();
 }
 
 std::vector<float> BlockedNetwork::flat(Array member) const {

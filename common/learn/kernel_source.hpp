@@ -3,7 +3,7 @@
 //
 // Every sum runs in a fixed order with fused multiply-add, so all instruction sets give the same bits:
 // forward over the inputs in ascending order with the bias last, gradients over the samples, deltas over the units of
-// the layer above. Units that are zero in the whole batch are left out, and in the gradients every sample whose delta
+// the layer above. Units that are zero in the whole batch are left out, and in the gradients most samples whose delta
 // is zero: adding a zero changes no sum.
 
 #define ALOFT_UNROLL _Pragma("GCC unroll 64")
@@ -125,11 +125,23 @@ void forward_tile(const KernelLayer& layer, int first, float* to) {
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n].store(to + (first + n) * lanes);
 }
 
+/// `outputs` of them, at most N.
+template <int N>
+inline void forward_outputs_from(const KernelLayer& layer, int first, int outputs, float* to) {
+  if constexpr (N > 1) {
+    if (outputs < N) return forward_outputs_from<N - 1>(layer, first, outputs, to);
+  }
+  forward_tile<N>(layer, first, to);
+}
+
+/// In tiles as equal as can be: the sums of a small one would wait for each other.
 void forward_layer(const KernelLayer& layer, float* to) {
-  int o = 0;
-  for (; o + forward_outputs <= layer.outputs; o += forward_outputs) forward_tile<forward_outputs>(layer, o, to);
-  for (; o + 4 <= layer.outputs; o += 4) forward_tile<4>(layer, o, to);
-  for (; o < layer.outputs; ++o) forward_tile<1>(layer, o, to);
+  int tiles = (layer.outputs + forward_outputs - 1) / forward_outputs;
+  for (int first = 0; first < layer.outputs; --tiles) {
+    const int outputs = (layer.outputs - first + tiles - 1) / tiles;
+    forward_outputs_from<forward_outputs>(layer, first, outputs, to);
+    first += outputs;
+  }
 }
 
 /// Applies ReLU to the inputs of `layer` and marks those that are not zero in the whole batch.
@@ -253,60 +265,168 @@ inline void adam_step(Arrays layer, long at, V g, Adam adam) {
   fnma(mul(adam.step_size, m), r, V::load(layer.weights + at)).store(layer.weights + at);
 }
 
+/// Some blocks of a layer's inputs, with all outputs. Passed by value like Adam.
+struct GradientTile {
+  Arrays arrays;
+  Adam adam;
+  const float* const* inputs;  ///< of each sample
+  const float* delta;
+  long at;  ///< where the weights of output 0 are
+  long block_stride;
+};
+
+/// Gradients of one output in B blocks, and where their weights are.
+template <int B>
+struct Gradients {
+  V sums[B];
+  long at;
+
+  void step(const GradientTile& tile, int b) const {
+    adam_step(tile.arrays, at + b * tile.block_stride, sums[b], tile.adam);
+  }
+};
+
+/// From the first S samples listed. Calls before(k) ahead of the k-th.
+template <int B, int S, typename Before>
+inline Gradients<B> gradients_of(const GradientTile& tile, const OutputGradient& output, Before before) {
+  Gradients<B> result;
+  result.at = tile.at + output.weights;
+  ALOFT_UNROLL for (int b = 0; b < B; ++b) result.sums[b] = V::of(0.0F);
+  ALOFT_UNROLL for (int k = 0; k < S; ++k) {
+    before(k);
+    const int sample = output.samples[k];
+    const V d = V::broadcast(tile.delta + output.delta + sample);
+    const float* const x = tile.inputs[sample];
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) result.sums[b] = fma(d, V::load(x + b * lanes), result.sums[b]);
+  }
+  return result;
+}
+
+/// Some outputs that have S samples at most. No branch depends on the samples, and the Adam steps of the output before
+/// go between the samples of this one: while square roots keep the divider busy, the multipliers work.
+template <int B, int S>
+Gradients<B> gradient_group(GradientTile tile, const OutputGradient* outputs, const int* next, const int* end,
+                            Gradients<B> pending) {
+  for (; next != end; ++next) {
+    const Gradients<B> steps = pending;
+    if constexpr (S == 0) {
+      ALOFT_UNROLL for (int b = 0; b < B; ++b) steps.step(tile, b);
+    }
+    pending = gradients_of<B, S>(tile, outputs[*next], [&](int k) {
+      ALOFT_UNROLL for (int b = k * B / S; b < (k + 1) * B / S; ++b) steps.step(tile, b);
+    });
+  }
+  return pending;
+}
+
+/// A layer's outputs by their number of samples.
+struct GradientList {
+  const OutputGradient* outputs;
+  const int* members;  ///< of the groups, each with room for `capacity`: indices of outputs
+  int capacity;
+  int count[gradient_groups];
+};
+
+/// From group G downwards. The first output of group `started`, the first that is not empty, has none before it.
+template <int B, int G>
+Gradients<B> gradient_groups_from(const GradientTile& tile, const GradientList& list, int started,
+                                  Gradients<B> pending) {
+  constexpr int samples = G * samples_per_group;
+  const int* next = list.members + G * list.capacity;
+  const int* const end = next + list.count[G];
+  if (G == started) pending = gradients_of<B, samples>(tile, list.outputs[*next++], [](int) {});
+  pending = gradient_group<B, samples>(tile, list.outputs, next, end, pending);
+  if constexpr (G > 0) pending = gradient_groups_from<B, G - 1>(tile, list, started, pending);
+  return pending;
+}
+
 /// Gradients and Adam of B blocks of inputs for all outputs.
 template <int B>
-void gradient_blocks(const KernelLayer& layer, int block, const float* delta, const OutputGradient* output,
-                     const Adam& adam_settings) {
-  const Adam adam = adam_settings;
-  const Arrays arrays(layer);
-  const long block_stride = static_cast<long>(layer.outputs) * lanes;
-  const long sample_stride = static_cast<long>(layer.blocks) * lanes;
-  const float* const inputs = layer.input_by_sample + block * lanes;
-  for (const OutputGradient* const end = output + layer.outputs; output != end; ++output) {
-    V sums[B];
-    ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b] = V::of(0.0F);
-    for (unsigned samples = output->samples; samples != 0; samples &= samples - 1) {
-      const int s = __builtin_ctz(samples);
-      const V d = V::broadcast(delta + output->delta + s);
-      const float* const x = inputs + s * sample_stride;
-      ALOFT_UNROLL for (int b = 0; b < B; ++b) sums[b] = fma(d, V::load(x + b * lanes), sums[b]);
+void gradient_tile(const GradientTile& tile, const GradientList& list) {
+  constexpr int most = gradient_groups - 1;
+  int started = most;
+  while (list.count[started] == 0) --started;
+  const Gradients<B> last = gradient_groups_from<B, most>(tile, list, started, {});
+  ALOFT_UNROLL for (int b = 0; b < B; ++b) last.step(tile, b);
+}
+
+/// `blocks` of them, at most B.
+template <int B>
+void gradient_blocks_from(const GradientTile& tile, int blocks, const GradientList& list) {
+  if constexpr (B > 1) {
+    if (blocks < B) return gradient_blocks_from<B - 1>(tile, blocks, list);
+  }
+  gradient_tile<B>(tile, list);
+}
+
+/// In tiles as equal as can be, like forward_layer.
+void gradient_layer(const KernelLayer& layer, const float* delta, const GradientList& list, const Adam& adam) {
+  const float* inputs[lanes];
+  GradientTile tile{Arrays(layer), adam, inputs, delta, 0, static_cast<long>(layer.outputs) * lanes};
+  int tiles = (layer.blocks + gradient_blocks - 1) / gradient_blocks;
+  for (int block = 0; block < layer.blocks; --tiles) {
+    const int blocks = (layer.blocks - block + tiles - 1) / tiles;
+    for (int s = 0; s < lanes; ++s) inputs[s] = layer.input_by_sample + (s * layer.blocks + block) * lanes;
+    tile.at = block * tile.block_stride;
+    gradient_blocks_from<gradient_blocks>(tile, blocks, list);
+    block += blocks;
+  }
+}
+
+/// For each set of 8 samples: those in it, then the others, a byte each.
+struct SampleOrders {
+  unsigned long of_set[256];
+
+  constexpr SampleOrders() : of_set() {
+    for (unsigned set = 0; set < 256; ++set) {
+      int shift = 0;
+      for (unsigned i = 0; i < 16; ++i) {
+        if ((set >> i % 8 & 1U) == i / 8) continue;  // the set's come first
+        of_set[set] |= static_cast<unsigned long>(i % 8) << shift;
+        shift += 8;
+      }
     }
-    const long at = block * block_stride + output->weight;
-    ALOFT_UNROLL for (int b = 0; b < B; ++b) adam_step(arrays, at + b * block_stride, sums[b], adam);
   }
+};
+constexpr SampleOrders sample_orders;
+
+inline void list_samples(unsigned set, unsigned char* to) {
+  const unsigned long low = sample_orders.of_set[set & 0xFFU];
+  const unsigned long high = sample_orders.of_set[set >> 8] + 0x0808080808080808UL;
+  __builtin_memcpy(to, &low, sizeof low);
+  __builtin_memcpy(to + 8, &low, sizeof low);  // its others end up here
+  __builtin_memcpy(to + __builtin_popcount(set & 0xFFU), &high, sizeof high);
 }
 
-void gradient_layer(const KernelLayer& layer, const float* delta, const OutputGradient* outputs, const Adam& adam) {
-  int block = 0;
-  for (; block + gradient_block_count <= layer.blocks; block += gradient_block_count)
-    gradient_blocks<gradient_block_count>(layer, block, delta, outputs, adam);
-  for (; block < layer.blocks; ++block) gradient_blocks<1>(layer, block, delta, outputs, adam);
-}
-
-/// Lists the gradients of a layer's outputs by falling number of samples: so the CPU can foresee how often the loop
-/// over the samples runs. `order`: the outputs; the first `count` of them have a row in `delta`.
-void list_gradients(const KernelLayer& layer, const int* order, int count, const float* delta, OutputGradient* list) {
-  int next[lanes + 2] = {};  // where in the list, by number of samples left out
-  for (int k = 0; k < layer.outputs; ++k) {
+/// `count`: the first of the outputs in the network's order have a row in `delta`.
+GradientList list_gradients(const KernelNetwork& network, int outputs, int count, const float* delta) {
+  GradientList list{network.gradients, network.gradient_groups, outputs, {}};
+  for (int k = 0; k < outputs; ++k) {
     const unsigned samples = k < count ? nonzero(V::load(delta + k * lanes)) : 0U;
-    ++next[lanes + 1 - __builtin_popcount(samples)];
+    OutputGradient& output = network.gradients[k];
+    list_samples(samples, output.samples);
+    output.weights = network.order[k];
+    output.delta = k < count ? k * lanes : 0;
+    const int group = (__builtin_popcount(samples) + samples_per_group - 1) / samples_per_group;
+    network.gradient_groups[group * outputs + list.count[group]++] = k;
   }
-  for (int i = 1; i <= lanes; ++i) next[i + 1] += next[i];
-  for (int k = 0; k < layer.outputs; ++k) {
-    const unsigned samples = k < count ? nonzero(V::load(delta + k * lanes)) : 0U;
-    list[next[lanes - __builtin_popcount(samples)]++] = {order[k], k * lanes, samples};
-  }
+  return list;
 }
 
 /// The order (offsets of rows) in which a layer's outputs are treated: those with a delta (the alive units of the layer
 /// above's input), then the others; returns how many have one. All of the output layer's have.
 int order_outputs(const KernelLayer& layer, const KernelLayer* above, int* order) {
+  int n = 0;
   int with_delta = 0;
-  for (int o = 0; o < layer.outputs; ++o)
-    if (above == nullptr || (above->alive[o / lanes] >> (o % lanes) & 1U) != 0) order[with_delta++] = o * lanes;
-  int next = with_delta;
-  for (int o = 0; o < layer.outputs && next < layer.outputs; ++o)
-    if ((above->alive[o / lanes] >> (o % lanes) & 1U) == 0) order[next++] = o * lanes;
+  for (unsigned dead = 0; dead <= whole_block; dead += whole_block) {
+    for (int first = 0; first < layer.outputs; first += lanes) {
+      const unsigned units = layer.outputs - first < lanes ? (1U << (layer.outputs - first)) - 1 : whole_block;
+      const unsigned alive = above == nullptr ? whole_block : above->alive[first / lanes];
+      for (unsigned chosen = (alive ^ dead) & units; chosen != 0; chosen &= chosen - 1)
+        order[n++] = (first + __builtin_ctz(chosen)) * lanes;
+    }
+    if (dead == 0) with_delta = n;
+  }
   return with_delta;
 }
 
@@ -322,8 +442,7 @@ void backward(KernelNetwork& network, const Adam& adam) {
       for (int i = 0; i < layer.blocks; ++i)
         transpose(layer.input + i * lanes * lanes, lanes, layer.input_by_sample + i * lanes, layer.blocks * lanes);
     }
-    list_gradients(layer, network.order, count, delta, network.gradients);
-    gradient_layer(layer, delta, network.gradients, adam);
+    gradient_layer(layer, delta, list_gradients(network, layer.outputs, count, delta), adam);
     float* const swap = delta;
     delta = below;
     below = swap;

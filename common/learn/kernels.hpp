@@ -16,11 +16,16 @@ enum class Loss : int {
   cross_entropy,  ///< Keras: outputs normalised to sum 1, one-hot targets, clipped to [1e-7, 1 - 1e-7]
 };
 
+/// Outputs are grouped by how many samples have a delta: none, 1 to 4, .. 13 to 16. Each group has code of its own;
+/// with more of them the CPU's caches for decoded instructions run over.
+inline constexpr int samples_per_group = 4;
+inline constexpr int gradient_groups = batch_lanes / samples_per_group + 1;
+
 /// What the weights of one output are changed with.
 struct OutputGradient {
-  int weight;        ///< offset of the output's weights in each block
-  int delta;         ///< offset of its row in KernelNetwork::delta
-  unsigned samples;  ///< bit s: sample s has a delta that is not zero
+  unsigned char samples[batch_lanes];  ///< those whose delta is not zero, in ascending order, then the others
+  int weights;                         ///< offset of the output's weights in each block
+  int delta;                           ///< offset of its row in KernelNetwork::delta
 };
 
 /// One dense layer. All arrays are aligned to 64 bytes. The bias is the weight of one more input that is always 1.
@@ -48,6 +53,7 @@ struct KernelNetwork {
   float* delta_below;         ///< of the layer below
   int* order;                 ///< 16 times the numbers of a layer's outputs: those with a delta first
   OutputGradient* gradients;  ///< [output]
+  int* gradient_groups;       ///< [group of outputs with similarly many samples][output]: indices of gradients
 };
 
 struct KernelTraining {

@@ -1,5 +1,6 @@
 // The fast paths against the reference, and against each other.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -107,6 +108,30 @@ TEST_CASE("every fast path gives the same bits") {
       }
       for (std::size_t i = 0; i < losses.size(); ++i) CHECK(losses[i] == losses[i % 5]);
     }
+  }
+}
+
+TEST_CASE("units that are dead for all samples learn nothing, whatever was trained before") {
+  const NetworkShape shape = dqn_shape(18);
+  const Minibatch batch = random_minibatch(shape, 16, Loss::mse, "dead");
+  NetworkState dead = random_state(shape);
+  const std::size_t first_layer = (18 + 1) * 19;  // linear; the units above it are all shut by their biases
+  for (std::size_t o = 0; o < 200; ++o) dead.weights[first_layer + o * 20 + 19] = -1e3F;
+  ReferenceNetwork<double> reference(shape, {});
+  reference.load(std::vector<double>(dead.weights.begin(), dead.weights.end()), {}, {}, 0);
+  for (int step = 0; step < 5; ++step) reference.step(batch, Loss::mse);
+  for (const Path path : available_paths()) {
+    INFO(path_name(path));
+    const auto network = make_network(shape, {}, path);
+    network->load(random_state(shape));
+    network->train(batch, Loss::mse, 3);
+    network->load(dead);
+    network->train(batch, Loss::mse, 5);
+    const NetworkState after = network->state();
+    CHECK(difference(after.weights, reference.weights()).largest < 1e-5);
+    const auto below = static_cast<std::ptrdiff_t>(first_layer + 200 * 20);
+    CHECK(std::equal(dead.weights.begin(), dead.weights.begin() + below, after.weights.begin()));
+    CHECK(dead.weights != after.weights);
   }
 }
 

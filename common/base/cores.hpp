@@ -2,11 +2,19 @@
 
 #include <sched.h>
 
+#include <filesystem>
+#include <optional>
+
 namespace aloft {
 
-/// Cores this process may run on, at least 1: fewer than the machine has if the process is pinned to some, as Slurm,
-/// containers and taskset do.
-[[nodiscard]] unsigned usable_cores() noexcept;
+/// Cores this process may run on, at least 1: fewer than the machine has if the process is pinned to some, as Slurm and
+/// taskset do, or has a quota, as containers and services have.
+[[nodiscard]] unsigned usable_cores();
+
+/// How many cores' time the control groups of this process allow, rounded up; nothing if they set no limit.
+/// `memberships` is as /proc/self/cgroup, `hierarchies` as /sys/fs/cgroup (versions 1 and 2, cgroups(7)).
+[[nodiscard]] std::optional<unsigned> quota_cores(const std::filesystem::path& memberships,
+                                                  const std::filesystem::path& hierarchies);
 
 /// One of several equal parts of the usable cores, counted from 0. With more parts than cores, some have the same core.
 struct CoreShare {

@@ -3,13 +3,31 @@
 #include <Random123/philox.h>
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+
+#include "common/base/widest_vectors.hpp"
 
 namespace aloft {
 namespace {
 
 constexpr std::uint32_t sequential_marker = 0xFFFFFFFFU;
 constexpr double largest_poisson_piece = 500.0;  // exp(-500) is still a normal double
+
+struct PhiloxKey {
+  std::uint32_t low;
+  std::uint32_t high;
+};
+
+[[gnu::always_inline]] inline void philox_loop(PhiloxKey key, std::uint32_t trial, std::uint32_t a,
+                                               const std::uint32_t* b, const std::uint32_t* c, std::size_t size,
+                                               std::uint32_t* words) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const r123::Philox4x32 philox;
+    const auto four = philox({{a, b[i], c[i], trial}}, {{key.low, key.high}});
+    for (std::size_t w = 0; w < 4; ++w) words[4 * i + w] = four[w];
+  }
+}
 
 }  // namespace
 
@@ -22,6 +40,11 @@ std::array<std::uint32_t, 4> RandomStream::block(std::uint32_t a, std::uint32_t 
   const r123::Philox4x32 philox;
   const auto words = philox({{a, b, c, trial_}}, {{key_[0], key_[1]}});
   return {words[0], words[1], words[2], words[3]};
+}
+
+void RandomStream::blocks(std::uint32_t a, std::span<const std::uint32_t> b, std::span<const std::uint32_t> c,
+                          std::uint32_t* words) const noexcept {
+  run_vectorised<philox_loop>(PhiloxKey{key_[0], key_[1]}, trial_, a, b.data(), c.data(), c.size(), words);
 }
 
 std::uint32_t RandomStream::next_u32() noexcept {

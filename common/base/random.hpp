@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace aloft {
@@ -16,6 +17,10 @@ class RandomStream {
   /// Random access: the four words at counter (a, b, c). Independent of the sequential draws below, which own the
   /// counters with a = 0xFFFFFFFF.
   [[nodiscard]] std::array<std::uint32_t, 4> block(std::uint32_t a, std::uint32_t b, std::uint32_t c) const noexcept;
+
+  /// The words at counters (a, b[i], c[i]), one block after the other: 4 b.size() words.
+  void blocks(std::uint32_t a, std::span<const std::uint32_t> b, std::span<const std::uint32_t> c,
+              std::uint32_t* words) const noexcept;
 
   std::uint32_t next_u32() noexcept;
   /// Uniform in (0, 1), 53 bits, never 0 or 1.

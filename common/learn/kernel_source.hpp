@@ -313,7 +313,7 @@ Gradients<B> gradient_group(GradientTile tile, const OutputGradient* outputs, co
       ALOFT_UNROLL for (int b = 0; b < B; ++b) steps.step(tile, b);
     }
     pending = gradients_of<B, S>(tile, outputs[*next], [&](int k) {
-      ALOFT_UNROLL for (int b = k * B / S; b < (k + 1) * B / S; ++b) steps.step(tile, b);
+      for (int b = k * B / S; b < (k + 1) * B / S; ++b) steps.step(tile, b);
     });
   }
   return pending;

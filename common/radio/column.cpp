@@ -70,7 +70,8 @@ void ColumnBuilder::rank_strongest() {
     return std::pair(around_.links[a].distance_m, a) < std::pair(around_.links[b].distance_m, b);
   });
   for (const std::uint32_t k : by_distance_)
-    if (may_be_among_strongest(k)) insert(k);
+    if (may_be_among_strongest(k))
+      rank_station_row(k, {power_w(k), heights_}, ranks_, width_, ranked_power_w_.data(), ranked_.data(), moving_);
 }
 
 /// False if even the greatest power possible at its distance does not suffice, with and without line of sight.
@@ -81,25 +82,6 @@ bool ColumnBuilder::may_be_among_strongest(std::uint32_t k) {
   const double nlos_w = power_bound_w(scene_.model(), distance_m, scene_.model().path_exponent_nlos);
   const std::uint32_t los = std::min(first_los(k), heights_);
   return any_at_most({weakest_w, los}, nlos_w) || any_at_most({weakest_w + los, heights_ - los}, los_w);
-}
-
-void ColumnBuilder::insert(std::uint32_t k) {
-  const double* power = power_w(k);
-  const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
-  for (std::uint32_t i = 0; i < heights_; ++i) {
-    if (power[i] < weakest_w[i]) continue;
-    const auto stronger_than = [&](std::size_t at) {
-      return power[i] > ranked_power_w_[at] || (power[i] == ranked_power_w_[at] && k < ranked_[at]);
-    };
-    std::size_t at = std::size_t{ranks_ - 1} * width_ + i;
-    if (!stronger_than(at)) continue;
-    for (; at >= width_ && stronger_than(at - width_); at -= width_) {
-      ranked_power_w_[at] = ranked_power_w_[at - width_];
-      ranked_[at] = ranked_[at - width_];
-    }
-    ranked_power_w_[at] = power[i];
-    ranked_[at] = k;
-  }
 }
 
 /// All stations are wanted at every height: the same order by sorting.
@@ -119,7 +101,7 @@ void ColumnBuilder::collect_slots() {
   involved_.clear();
   for (std::uint32_t i = 0; i < heights_; ++i) {
     for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-      const std::uint32_t c = ranked_[std::size_t{rank} * width_ + i];
+      const auto c = static_cast<std::uint32_t>(ranked_[std::size_t{rank} * width_ + i]);
       if (slots_[c].empty()) involved_.push_back(c);
       slots_[c].push_back({i, rank});
     }
@@ -129,18 +111,24 @@ void ColumnBuilder::collect_slots() {
 /// SINR_c = p_c f_c / (N + sum of p_k f_ck over interferers k, in ascending order).
 void ColumnBuilder::compute_sinr(std::uint32_t point, std::uint32_t c) {
   select_blocks(c);
-  for (const std::uint32_t block : blocks_) std::fill_n(interference_w_.begin() + block * lanes, lanes, 0.0);
+  fading_.want(point, c, c, blocks_);
+  disturbed_blocks_.clear();
+  disturber_w_.clear();
+  disturbs_.clear();
   for (std::uint32_t k = 0; k < scene_.stations(); ++k)
     if (scene_.can_interfere(around_, c, k)) add_interferer(point, c, k);
+  const std::span<const double> fading = fading_.take(point);
 
-  fading_.rows(point, c, c, blocks_, fading_row_);
+  for (const std::uint32_t block : blocks_) std::fill_n(interference_w_.begin() + block * lanes, lanes, 0.0);
+  add_interference(disturber_w_, disturbs_.data(), fading.data() + blocks_.size() * lanes, disturbed_blocks_.data(),
+                   interference_w_.data());
   const double* power = power_w(c);
   std::size_t block_position = 0;
   for (const Slot& slot : slots_[c]) {
     while (blocks_[block_position] < slot.height / lanes) ++block_position;
-    const double fading = fading_row_[block_position * lanes + slot.height % lanes];
-    sinr_[std::size_t{slot.rank} * width_ + slot.height] =
-        power[slot.height] * fading / (scene_.model().noise_w + interference_w_[slot.height]);
+    sinr_[std::size_t{slot.rank} * width_ + slot.height] = power[slot.height] *
+                                                           fading[block_position * lanes + slot.height % lanes] /
+                                                           (scene_.model().noise_w + interference_w_[slot.height]);
   }
 }
 
@@ -164,27 +152,24 @@ void ColumnBuilder::select_blocks(std::uint32_t c) {
     beam_limits_row(scene_.model(), around_.links[c].distance_m, block_rise_m_, nearest_m_.data(), farthest_m_.data());
 }
 
+/// Notes the blocks of c in which k disturbs, and asks for its fading there.
 void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::uint32_t k) {
-  const double distance_m = around_.links[k].distance_m;
-  disturbed_blocks_.clear();
-  disturbs_.clear();
-  disturbs_row_.resize(wanted_.size());
-  disturbance_row(distance_m, wanted_, nearest_m_.data(), farthest_m_.data(), disturbs_row_.data());
+  const std::size_t first = disturbed_blocks_.size();
+  disturbs_.resize(first * lanes + wanted_.size());
+  double* const rows = disturbs_.data() + first * lanes;
+  disturbance_row(around_.links[k].distance_m, wanted_, nearest_m_.data(), farthest_m_.data(), rows);
+  std::size_t disturbed = 0;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const double* row = disturbs_row_.data() + b * lanes;
+    const double* row = rows + b * lanes;
     if (row[0] + row[1] + row[2] + row[3] == 0.0) continue;
     disturbed_blocks_.push_back(blocks_[b]);
-    disturbs_.insert(disturbs_.end(), row, row + lanes);
+    if (disturbed != b) std::copy_n(row, lanes, rows + disturbed * lanes);
+    ++disturbed;
   }
-  if (disturbed_blocks_.empty()) return;
-  fading_.rows(point, c, k, disturbed_blocks_, fading_row_);
-  const double* power = power_w(k);
-  for (std::size_t b = 0; b < disturbed_blocks_.size(); ++b) {
-    const std::size_t height = std::size_t{disturbed_blocks_[b]} * lanes;
-    for (std::uint32_t lane = 0; lane < lanes; ++lane)
-      interference_w_[height + lane] +=
-          disturbs_[b * lanes + lane] * (power[height + lane] * fading_row_[b * lanes + lane]);
-  }
+  disturbs_.resize((first + disturbed) * lanes);
+  if (disturbed == 0) return;
+  disturber_w_.resize(first + disturbed, power_w(k));
+  fading_.want(point, c, k, std::span(disturbed_blocks_).subspan(first));
 }
 
 /// Serving cell: the best SINR of the candidates. Neighbours: the best of the others, descending.

@@ -27,7 +27,6 @@ class ColumnBuilder {
   void rank_strongest();
   void rank_all();
   [[nodiscard]] bool may_be_among_strongest(std::uint32_t k);
-  void insert(std::uint32_t k);
   void collect_slots();
   void compute_sinr(std::uint32_t point, std::uint32_t c);
   void select_blocks(std::uint32_t c);
@@ -52,7 +51,8 @@ class ColumnBuilder {
 
   std::vector<std::uint32_t> by_distance_;
   std::vector<double> ranked_power_w_;    // [rank][height], descending
-  std::vector<std::uint32_t> ranked_;     // [rank][height]: base station
+  std::vector<double> ranked_;            // [rank][height]: base station; as wide as the powers, for vectors of both
+  std::vector<double> moving_;            // scratch
   std::vector<double> sinr_;              // [rank][height], linear
   std::vector<std::vector<Slot>> slots_;  // per base station
   std::vector<std::uint32_t> involved_;   // base stations with slots
@@ -64,11 +64,11 @@ class ColumnBuilder {
   std::vector<double> nearest_m_;
   std::vector<double> farthest_m_;
   std::vector<double> interference_w_;  // [height]
-  // Of one interferer: blocks with at least one height where it disturbs; 1 or 0 per height.
+  // Of its interferers, one after the other: blocks with at least one height where one disturbs; its powers over all
+  // heights; 1 or 0 per height of the block.
   std::vector<std::uint32_t> disturbed_blocks_;
-  std::vector<double> disturbs_row_;
+  std::vector<const double*> disturber_w_;
   std::vector<double> disturbs_;
-  std::vector<double> fading_row_;
 };
 
 }  // namespace aloft::radio

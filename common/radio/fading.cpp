@@ -1,6 +1,5 @@
 #include "common/radio/fading.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/radio/height_rows.hpp"
@@ -25,32 +24,35 @@ Amplitude amplitude(std::uint32_t radius_word, std::uint32_t angle_word) noexcep
 
 }  // namespace
 
-void Fading::rows(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks,
-                  std::vector<double>& out) {
-  out.resize(blocks.size() * lanes);
+void Fading::want(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks) {
   const std::uint32_t pair = c * max_stations + k;
   switch (kind_) {
     case FadingKind::independent:
-      return independent(point, pair, blocks, out.data());
+      pairs_.insert(pairs_.end(), blocks.size(), pair);
+      blocks_.insert(blocks_.end(), blocks.begin(), blocks.end());
+      return;
     case FadingKind::correlated:
-      return correlated(point, pair, blocks, out.data());
+      return correlated(point, pair, blocks);
     case FadingKind::none:
-      std::fill(out.begin(), out.end(), 1.0);
+      wanted_.insert(wanted_.end(), blocks.size() * lanes, 1.0);
   }
 }
 
-void Fading::independent(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks, double* out) {
-  words_.resize(blocks.size() * lanes);
-  auto word = words_.begin();
-  for (const std::uint32_t block : blocks) {
-    const auto four = stream_.block(point, pair, block);
-    word = std::copy(four.begin(), four.end(), word);
+std::span<const double> Fading::take(std::uint32_t point) {
+  if (kind_ == FadingKind::independent) {  // all at once: the loops over random words are vectorised
+    words_.resize(blocks_.size() * lanes);
+    stream_.blocks(point, pairs_, blocks_, words_.data());
+    wanted_.resize(words_.size());
+    exponential_row(words_, wanted_.data());
+    pairs_.clear();
+    blocks_.clear();
   }
-  exponential_row(words_, out);
+  values_.swap(wanted_);
+  wanted_.clear();
+  return values_;
 }
 
-void Fading::correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks,
-                        double* out) const {
+void Fading::correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks) {
   const double innovation = std::sqrt(1.0 - correlation_ * correlation_);
   const std::uint32_t heights = blocks.empty() ? 0 : (blocks.back() + 1) * lanes;
   auto wanted = blocks.begin();
@@ -64,7 +66,7 @@ void Fading::correlated(std::uint32_t point, std::uint32_t pair, std::span<const
                                  correlation_ * value.im + innovation * fresh.im};
     }
     if (i / lanes != *wanted) continue;
-    *out++ = value.re * value.re + value.im * value.im;
+    wanted_.push_back(value.re * value.re + value.im * value.im);
     if (i % lanes == lanes - 1) ++wanted;
   }
 }

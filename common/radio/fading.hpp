@@ -22,18 +22,24 @@ class Fading {
   Fading(const RadioModel& model, std::uint64_t seed, std::uint32_t trial)
       : kind_(model.fading), correlation_(model.fading_correlation), stream_(seed, trial, "fading") {}
 
-  /// f at heights 4 b .. 4 b + 3 for each b of `blocks` (ascending), four values per block, into `out`.
-  void rows(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks,
-            std::vector<double>& out);
+  /// Asks for f at heights 4 b .. 4 b + 3 for each b of `blocks` (ascending).
+  void want(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks);
+  /// Four values per block wanted since the last call, in the order of asking; valid until the next question. All must
+  /// have been of this point.
+  [[nodiscard]] std::span<const double> take(std::uint32_t point);
 
  private:
-  void independent(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks, double* out);
-  void correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks, double* out) const;
+  void correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks);
 
   FadingKind kind_;
   double correlation_;
   RandomStream stream_;
+  // Wanted: of blocks of independent fading the counters, else values.
+  std::vector<std::uint32_t> pairs_;
+  std::vector<std::uint32_t> blocks_;
+  std::vector<double> wanted_;
   std::vector<std::uint32_t> words_;
+  std::vector<double> values_;
 };
 
 }  // namespace aloft::radio

@@ -21,9 +21,9 @@ std::vector<double> row(radio::Fading& fading, std::uint32_t point, std::uint32_
                         std::uint32_t blocks) {
   std::vector<std::uint32_t> all(blocks);
   std::iota(all.begin(), all.end(), 0U);
-  std::vector<double> out;
-  fading.rows(point, c, k, all, out);
-  return out;
+  fading.want(point, c, k, all);
+  const std::span<const double> values = fading.take(point);
+  return {values.begin(), values.end()};
 }
 
 }  // namespace
@@ -58,12 +58,16 @@ TEST_CASE("fading does not depend on which heights were asked for, or when") {
     for (const char* kind : {"independent", "correlated", "none"}) {
       radio::Fading fading = fading_of({{"fading", kind}, {"fading_correlation", correlation}});
       const std::vector<double> all = row(fading, 4, 1, 2, 51);
-      std::vector<double> some;
+      const std::vector<double> other = row(fading, 4, 2, 1, 13);
       row(fading, 9, 2, 1, 3);
-      fading.rows(4, 1, 2, std::vector<std::uint32_t>{7, 31}, some);
+      fading.want(4, 1, 2, std::vector<std::uint32_t>{7, 31});
+      fading.want(4, 2, 1, std::vector<std::uint32_t>{12});
+      const std::span<const double> some = fading.take(4);
+      REQUIRE(some.size() == 12);
       for (std::size_t i = 0; i < 4; ++i) {
         CHECK(some[i] == all[28 + i]);
         CHECK(some[4 + i] == all[124 + i]);
+        CHECK(some[8 + i] == other[48 + i]);
       }
     }
   }

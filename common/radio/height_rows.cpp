@@ -1,53 +1,13 @@
 #include "common/radio/height_rows.hpp"
 
-#include "common/base/random.hpp"
+#include <algorithm>
+#include <cstddef>
 
-// Every loop is compiled for several vector widths and chosen at run time. All give the same bits: each operation is
-// rounded by itself, as IEEE 754 demands (no fused multiply-add, no reordering).
-#if defined(__x86_64__)
-#define ALOFT_WIDE_VECTORS [[gnu::target("avx2")]]
-#if defined(__clang__)
-#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl")]]
-#else
-#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]]
-#endif
-#endif
+#include "common/base/random.hpp"
+#include "common/base/widest_vectors.hpp"
 
 namespace aloft::radio {
 namespace {
-
-#ifdef ALOFT_WIDE_VECTORS
-template <auto loop, typename... Arguments>
-ALOFT_WIDE_VECTORS void run_wide(Arguments... arguments) {
-  loop(arguments...);
-}
-
-template <auto loop, typename... Arguments>
-ALOFT_WIDEST_VECTORS void run_widest(Arguments... arguments) {
-  loop(arguments...);
-}
-
-enum class VectorWidth : std::uint8_t { baseline, wide, widest };
-
-VectorWidth vector_width() noexcept {
-  static const VectorWidth width = [] {
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-      return VectorWidth::widest;
-    return __builtin_cpu_supports("avx2") ? VectorWidth::wide : VectorWidth::baseline;
-  }();
-  return width;
-}
-#endif
-
-/// Runs one of the loops below.
-template <auto loop, typename... Arguments>
-void run(Arguments... arguments) {
-#ifdef ALOFT_WIDE_VECTORS
-  if (vector_width() == VectorWidth::widest) return run_widest<loop>(arguments...);
-  if (vector_width() == VectorWidth::wide) return run_wide<loop>(arguments...);
-#endif
-  loop(arguments...);
-}
 
 template <BsAntenna antenna, PathDistance path>
 [[gnu::always_inline]] inline void power_segment(const RadioModel* model, double distance_m, const double* rise_m,
@@ -97,13 +57,44 @@ template <BsAntenna antenna, PathDistance path>
   }
 }
 
+/// One more competitor for every height: those it displaces become `moving`, and compete for the next rank.
+[[gnu::always_inline]] inline void strongest_loop(std::size_t size, std::size_t ranks, std::size_t width,
+                                                  double* strongest_w, double* strongest, double* moving_w,
+                                                  double* moving) {
+  for (std::size_t rank = 0; rank < ranks; ++rank, strongest_w += width, strongest += width) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const double there_w = strongest_w[i];
+      const double there = strongest[i];
+      const double new_w = moving_w[i];
+      const double new_one = moving[i];
+      const bool better = (new_w > there_w) | ((new_w == there_w) & (new_one < there));
+      strongest_w[i] = better ? new_w : there_w;
+      strongest[i] = better ? new_one : there;
+      moving_w[i] = better ? there_w : new_w;
+      moving[i] = better ? there : new_one;
+    }
+  }
+}
+
+/// Four heights per block.
+[[gnu::always_inline]] inline void interference_loop(const double* const* power_w, const double* disturbs,
+                                                     const double* fading, const std::uint32_t* blocks,
+                                                     std::size_t size, double* interference_w) {
+  for (std::size_t b = 0; b < size; ++b) {
+    const double* power = power_w[b] + std::size_t{4} * blocks[b];
+    double* sum = interference_w + std::size_t{4} * blocks[b];
+    for (std::size_t lane = 0; lane < 4; ++lane)
+      sum[lane] += disturbs[4 * b + lane] * (power[lane] * fading[4 * b + lane]);
+  }
+}
+
 template <BsAntenna antenna, PathDistance path>
 void power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, std::uint32_t first_los,
                double* power_w) {
-  run<power_segment<antenna, path>>(&model, distance_m, rise_m.data(), std::size_t{first_los}, model.path_exponent_nlos,
-                                    power_w);
-  run<power_segment<antenna, path>>(&model, distance_m, rise_m.data() + first_los, rise_m.size() - first_los,
-                                    model.path_exponent_los, power_w + first_los);
+  run_vectorised<power_segment<antenna, path>>(&model, distance_m, rise_m.data(), std::size_t{first_los},
+                                               model.path_exponent_nlos, power_w);
+  run_vectorised<power_segment<antenna, path>>(&model, distance_m, rise_m.data() + first_los, rise_m.size() - first_los,
+                                               model.path_exponent_los, power_w + first_los);
 }
 
 }  // namespace
@@ -121,30 +112,44 @@ void received_power_row(const RadioModel& model, double distance_m, std::span<co
 
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,
                      double* farthest_m) {
-  run<limits_loop>(&model, distance_m, rise_m.data(), rise_m.size(), nearest_m, farthest_m);
+  run_vectorised<limits_loop>(&model, distance_m, rise_m.data(), rise_m.size(), nearest_m, farthest_m);
 }
 
 void disturbance_row(double distance_m, std::span<const double> wanted, const double* nearest_m,
                      const double* farthest_m, double* disturbs) {
-  run<disturbance_loop>(distance_m, wanted.data(), nearest_m, farthest_m, wanted.size(), disturbs);
+  run_vectorised<disturbance_loop>(distance_m, wanted.data(), nearest_m, farthest_m, wanted.size(), disturbs);
+}
+
+void rank_station_row(std::uint32_t station, std::span<const double> power_w, std::size_t ranks, std::size_t width,
+                      double* strongest_w, double* strongest, std::vector<double>& scratch) {
+  scratch.resize(2 * power_w.size());
+  std::copy(power_w.begin(), power_w.end(), scratch.begin());
+  std::fill(scratch.begin() + static_cast<std::ptrdiff_t>(power_w.size()), scratch.end(), station);
+  run_vectorised<strongest_loop>(power_w.size(), ranks, width, strongest_w, strongest, scratch.data(),
+                                 scratch.data() + power_w.size());
+}
+
+void add_interference(std::span<const double* const> power_w, const double* disturbs, const double* fading,
+                      const std::uint32_t* blocks, double* interference_w) {
+  run_vectorised<interference_loop>(power_w.data(), disturbs, fading, blocks, power_w.size(), interference_w);
 }
 
 bool any_at_most(std::span<const double> values, double limit) {
   std::uint64_t found = 0;
-  run<any_at_most_loop>(values.data(), values.size(), limit, &found);
+  run_vectorised<any_at_most_loop>(values.data(), values.size(), limit, &found);
   return found > 0;
 }
 
 void exponential_row(std::span<const std::uint32_t> words, double* out) {
-  run<exponential_loop>(words.data(), words.size(), out);
+  run_vectorised<exponential_loop>(words.data(), words.size(), out);
 }
 
 void spectral_efficiency_row(std::span<const double> sinr, double* out) {
-  run<spectral_efficiency_loop>(sinr.data(), sinr.size(), out);
+  run_vectorised<spectral_efficiency_loop>(sinr.data(), sinr.size(), out);
 }
 
 void decibel_row(std::span<const double> sinr, double* out) {
-  run<decibel_loop>(sinr.data(), sinr.size(), out);
+  run_vectorised<decibel_loop>(sinr.data(), sinr.size(), out);
 }
 
 }  // namespace aloft::radio

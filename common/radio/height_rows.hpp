@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "common/radio/link_budget.hpp"
 
@@ -20,6 +21,16 @@ void beam_limits_row(const RadioModel& model, double distance_m, std::span<const
 /// wanted[i] where the beam at i covers this distance, else 0.
 void disturbance_row(double distance_m, std::span<const double> wanted, const double* nearest_m,
                      const double* farthest_m, double* disturbs);
+
+/// Ranks one more station by power, then index, at every height; `strongest_w` and `strongest` are
+/// [rank][width] of powers and stations, in descending order. A station that is displaced from the last rank is lost.
+void rank_station_row(std::uint32_t station, std::span<const double> power_w, std::size_t ranks, std::size_t width,
+                      double* strongest_w, double* strongest, std::vector<double>& scratch);
+
+/// Adds, in the order given, the disturbances by one station each at four heights: those of `blocks[b]`, from the
+/// powers of the station over all heights, and from [b][4] of fading and of 1 where it disturbs, else 0.
+void add_interference(std::span<const double* const> power_w, const double* disturbs, const double* fading,
+                      const std::uint32_t* blocks, double* interference_w);
 
 [[nodiscard]] bool any_at_most(std::span<const double> values, double limit);
 

@@ -101,8 +101,8 @@ class Explainer {
 
   double fading(std::uint32_t c, std::uint32_t k) {
     const std::uint32_t block = height_ / Fading::lanes;
-    fading_.rows(point_, c, k, std::span(&block, 1), fading_row_);
-    return fading_row_[height_ % Fading::lanes];
+    fading_.want(point_, c, k, std::span(&block, 1));
+    return fading_.take(point_)[height_ % Fading::lanes];
   }
 
   const Scene& scene_;
@@ -112,7 +112,6 @@ class Explainer {
   std::uint32_t height_;
   Surroundings around_;
   std::vector<StationExplanation> stations_;
-  std::vector<double> fading_row_;
 };
 
 }  // namespace

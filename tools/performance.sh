@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures where the time goes on this machine and writes docs/performance.md. Some twenty minutes, 5 GB of disk for the
+# Measures where the time goes on this machine and writes docs/performance.md. Less than half an hour, 5 GB of disk for the
 # largest database; best when nothing else runs.
 #   tools/performance.sh [FILE]
 set -euo pipefail
@@ -18,12 +18,12 @@ bin=build/bin
 say() { echo "$*" >&2; }
 code() { echo '```'; cat; echo '```'; }
 
-# profile NAME ARGS...: aloft run ARGS..., sampled: per kind of process the CPU seconds and the largest memory of one.
+# profile NAME ARGS...: aloft ARGS..., sampled: per kind of process the CPU seconds and the largest memory of one.
 profile() {
   local name=$1 start end aloft child
   shift
   start=$(date +%s.%N)
-  $bin/aloft run "$@" --domain "$domain" --out "$scratch/$name" > /dev/null 2> "$scratch/$name.err" &
+  $bin/aloft "$@" --domain "$domain" --out "$scratch/$name" > /dev/null 2> "$scratch/$name.err" &
   aloft=$!
   while kill -0 $aloft 2> /dev/null; do
     for child in $aloft $(pgrep -P $aloft || true); do
@@ -52,7 +52,7 @@ whole_names() {
 # growth FILTER: one row per argument, with the time per base station.
 growth() {
   $bin/radio_benchmark --benchmark_filter="^$1" --benchmark_format=csv 2> /dev/null |
-    awk -F, 'NR > 1 && $1 ~ /se_table/ {gsub(/"/, "", $1); sub(/.*:/, "", $1); sub(/se_table_largest.*/, "300 in a window of 10 km", $1);
+    awk -F, 'NR > 1 && $1 ~ /se_table/ {gsub(/"/, "", $1); sub(/se_table_largest.*/, ":300 in a window of 10 km", $1); sub(/.*:/, "", $1);
       printf "| %s | %.0f | %.1f | %.2f |\n", $1, $NF, $4, 1000 * $4 / $NF}'
 }
 
@@ -76,8 +76,9 @@ TEXT
   $bin/learn_benchmark | code
   cat << 'TEXT'
 Zeros are skipped where that changes no sum: units that are dead for the whole minibatch, and in the weight gradients
-every sample whose ReLU is off. The difference between the random minibatches and the DQN's flight is what dead units
-give.
+most samples whose ReLU is off. The difference between the random minibatches and the DQN's flight is what dead units
+give. The rest of the way to the floor is Adam, half of the time of a step: it reads and writes all weights and both
+moments, 1.1 MB, which is more than the first-level cache holds.
 TEXT
   if [ -x $bin/libtorch_benchmark ]; then
     say "libtorch ..."
@@ -104,11 +105,23 @@ The learning agent trains (and talks), the channel makes the SE tables and flies
 | process | CPU s | share | peak MB |
 |---|---|---|---|
 TEXT
-  profile condition data/experiments/quick.json --trials 5 --workers 1 | whole_names
+  profile condition run data/experiments/quick.json --trials 5 --workers 1 | whole_names
   cat << 'TEXT'
 
 The four processes of a worker share most of their memory, the libraries; the sum of their peaks counts those four times.
 TEXT
+
+  say "the whole paper ..."
+  cat << 'TEXT'
+
+## The whole paper
+`aloft reproduce` with two workers: eight agents on the cities of all five conditions, 100 trials each, 4,000 flights, and the
+report.
+
+| process | CPU s | share | peak MB |
+|---|---|---|---|
+TEXT
+  profile paper reproduce --workers 2 | whole_names
 
   say "start and memory ..."
   cat << 'TEXT'
@@ -125,7 +138,7 @@ The whole of such a run, with one short flight for each worker, up to its table:
 | process | CPU s | share | peak MB |
 |---|---|---|---|
 TEXT
-  profile start data/experiments/quick.json --trials 1 --agents min-height --workers 4 | whole_names
+  profile start run data/experiments/quick.json --trials 1 --agents min-height --workers 4 | whole_names
 
   say "scaling ..."
   cat << 'TEXT'

@@ -1,7 +1,6 @@
 #include "common/radio/column.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -175,31 +174,24 @@ void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::ui
 /// Serving cell: the best SINR of the candidates. Neighbours: the best of the others, descending.
 std::vector<Reading> ColumnBuilder::choose_serving() {
   const std::uint32_t neighbours = std::min(scene_.model().neighbours, ranks_ - 1);
-  std::vector<double> chosen(std::size_t{neighbours + 1} * heights_);  // [serving, neighbours...][height]
-  std::vector<Reading> readings(heights_);
-  for (std::uint32_t i = 0; i < heights_; ++i) {
-    const auto sinr = [&](std::uint32_t rank) { return sinr_[std::size_t{rank} * width_ + i]; };
-    std::uint32_t serving = 0;
-    for (std::uint32_t rank = 1; rank < scene_.serving_candidates(); ++rank)
-      if (sinr(rank) > sinr(serving)) serving = rank;
-    chosen[i] = sinr(serving);
-    std::array<double, agents::max_neighbours + 1> best{};
-    std::uint32_t count = 0;
-    for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-      if (rank == serving || (count == neighbours && (count == 0 || sinr(rank) <= best.at(count - 1)))) continue;
-      std::uint32_t at = count < neighbours ? count++ : count - 1;
-      for (; at > 0 && sinr(rank) > best.at(at - 1); --at) best.at(at) = best.at(at - 1);
-      best.at(at) = sinr(rank);
-    }
-    for (std::uint32_t j = 0; j < neighbours; ++j) chosen[std::size_t{j + 1} * heights_ + i] = best.at(j);
-    readings[i].serving_cell = static_cast<std::int32_t>(ranked_[std::size_t{serving} * width_ + i]);
-    readings[i].neighbour_count = neighbours;
+  std::vector<double> chosen(std::size_t{neighbours + 1} * heights_, -1.0);  // [serving, neighbours...][height]
+  serving_rank_.resize(heights_);
+  best_row(sinr_, scene_.serving_candidates(), width_, std::span(chosen).first(heights_), serving_rank_.data());
+  others_.resize(heights_);
+  neighbour_ranks_.resize(chosen.size());
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
+    others_row({sinr_.data() + std::size_t{rank} * width_, heights_}, rank, serving_rank_.data(), others_.data());
+    rank_station_row(rank, others_, neighbours, heights_, chosen.data() + heights_, neighbour_ranks_.data(), moving_);
   }
 
+  std::vector<Reading> readings(heights_);
   std::vector<double> efficiency(heights_);
   spectral_efficiency_row(std::span(chosen).first(heights_), efficiency.data());
   decibel_row(chosen, chosen.data());
   for (std::uint32_t i = 0; i < heights_; ++i) {
+    const auto serving = static_cast<std::size_t>(serving_rank_[i]);
+    readings[i].serving_cell = static_cast<std::int32_t>(ranked_[serving * width_ + i]);
+    readings[i].neighbour_count = neighbours;
     readings[i].qos = efficiency[i];
     readings[i].serving_sinr_db = chosen[i];
     for (std::uint32_t j = 0; j < neighbours; ++j)

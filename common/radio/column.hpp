@@ -54,6 +54,9 @@ class ColumnBuilder {
   std::vector<double> ranked_;            // [rank][height]: base station; as wide as the powers, for vectors of both
   std::vector<double> moving_;            // scratch
   std::vector<double> sinr_;              // [rank][height], linear
+  std::vector<double> serving_rank_;      // [height]
+  std::vector<double> others_;            // [height]: the SINR of one rank, -1 where it serves
+  std::vector<double> neighbour_ranks_;   // scratch
   std::vector<std::vector<Slot>> slots_;  // per base station
   std::vector<std::uint32_t> involved_;   // base stations with slots
 

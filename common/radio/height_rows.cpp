@@ -76,6 +76,27 @@ template <BsAntenna antenna, PathDistance path>
   }
 }
 
+[[gnu::always_inline]] inline void best_loop(const double* rows, std::size_t ranks, std::size_t width, std::size_t size,
+                                             double* best, double* rank_of_best) {
+  for (std::size_t i = 0; i < size; ++i) {
+    best[i] = rows[i];
+    rank_of_best[i] = 0.0;
+  }
+  for (std::size_t rank = 1; rank < ranks; ++rank) {
+    rows += width;
+    for (std::size_t i = 0; i < size; ++i) {
+      const bool better = rows[i] > best[i];
+      rank_of_best[i] = better ? static_cast<double>(rank) : rank_of_best[i];
+      best[i] = better ? rows[i] : best[i];
+    }
+  }
+}
+
+[[gnu::always_inline]] inline void others_loop(const double* row, double rank, const double* left_out, std::size_t size,
+                                               double* out) {
+  for (std::size_t i = 0; i < size; ++i) out[i] = left_out[i] == rank ? -1.0 : row[i];
+}
+
 /// Four heights per block.
 [[gnu::always_inline]] inline void interference_loop(const double* const* power_w, const double* disturbs,
                                                      const double* fading, const std::uint32_t* blocks,
@@ -122,11 +143,27 @@ void disturbance_row(double distance_m, std::span<const double> wanted, const do
 
 void rank_station_row(std::uint32_t station, std::span<const double> power_w, std::size_t ranks, std::size_t width,
                       double* strongest_w, double* strongest, std::vector<double>& scratch) {
-  scratch.resize(2 * power_w.size());
-  std::copy(power_w.begin(), power_w.end(), scratch.begin());
-  std::fill(scratch.begin() + static_cast<std::ptrdiff_t>(power_w.size()), scratch.end(), station);
-  run_vectorised<strongest_loop>(power_w.size(), ranks, width, strongest_w, strongest, scratch.data(),
-                                 scratch.data() + power_w.size());
+  if (ranks == 0) return;
+  const double* const weakest_w = strongest_w + (ranks - 1) * width;
+  std::size_t first = 0;  // a station is strong in one stretch of heights, mostly
+  std::size_t end = power_w.size();
+  while (first < end && power_w[first] < weakest_w[first]) ++first;
+  while (first < end && power_w[end - 1] < weakest_w[end - 1]) --end;
+  const std::size_t size = end - first;
+  scratch.resize(2 * size);
+  std::copy_n(power_w.begin() + static_cast<std::ptrdiff_t>(first), size, scratch.begin());
+  std::fill_n(scratch.begin() + static_cast<std::ptrdiff_t>(size), size, station);
+  run_vectorised<strongest_loop>(size, ranks, width, strongest_w + first, strongest + first, scratch.data(),
+                                 scratch.data() + size);
+}
+
+void best_row(std::span<const double> rows, std::size_t ranks, std::size_t width, std::span<double> best,
+              double* rank_of_best) {
+  run_vectorised<best_loop>(rows.data(), ranks, width, best.size(), best.data(), rank_of_best);
+}
+
+void others_row(std::span<const double> row, std::uint32_t rank, const double* left_out, double* out) {
+  run_vectorised<others_loop>(row.data(), static_cast<double>(rank), left_out, row.size(), out);
 }
 
 void add_interference(std::span<const double* const> power_w, const double* disturbs, const double* fading,

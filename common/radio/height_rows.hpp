@@ -27,6 +27,13 @@ void disturbance_row(double distance_m, std::span<const double> wanted, const do
 void rank_station_row(std::uint32_t station, std::span<const double> power_w, std::size_t ranks, std::size_t width,
                       double* strongest_w, double* strongest, std::vector<double>& scratch);
 
+/// The greatest of the first `ranks` rows of [rank][width] at every height, and its rank; of equal ones the first.
+void best_row(std::span<const double> rows, std::size_t ranks, std::size_t width, std::span<double> best,
+              double* rank_of_best);
+
+/// row[i], or -1 where left_out[i] is this rank.
+void others_row(std::span<const double> row, std::uint32_t rank, const double* left_out, double* out);
+
 /// Adds, in the order given, the disturbances by one station each at four heights: those of `blocks[b]`, from the
 /// powers of the station over all heights, and from [b][4] of fading and of 1 where it disturbs, else 0.
 void add_interference(std::span<const double* const> power_w, const double* disturbs, const double* fading,

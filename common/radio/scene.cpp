@@ -54,11 +54,6 @@ std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
   return index;
 }
 
-bool Scene::can_interfere(const Surroundings& around, std::uint32_t c, std::uint32_t k) const noexcept {
-  if (k == c || around.sector_covers[k] == 0) return false;
-  return model_.uav_antenna == UavAntenna::omnidirectional || same_azimuth(model_, around.links[c], around.links[k]);
-}
-
 std::uint32_t Scene::reported_stations() const noexcept {
   if (model_.serving_selection == ServingSelection::best_of_all) return stations();
   return std::min(stations(), std::max(model_.candidates, model_.neighbours + 1));

@@ -42,7 +42,10 @@ class Scene {
 
   /// Whether base station k can disturb the reception of c at all: other azimuths are outside the UAV's beam, and a
   /// sector that looks elsewhere sends nothing here.
-  [[nodiscard]] bool can_interfere(const Surroundings& around, std::uint32_t c, std::uint32_t k) const noexcept;
+  [[nodiscard]] bool can_interfere(const Surroundings& around, std::uint32_t c, std::uint32_t k) const noexcept {
+    if (k == c || around.sector_covers[k] == 0) return false;
+    return model_.uav_antenna == UavAntenna::omnidirectional || same_azimuth(model_, around.links[c], around.links[k]);
+  }
 
   /// Base stations whose SINR is wanted at every height: all, or the strongest by received power.
   [[nodiscard]] std::uint32_t reported_stations() const noexcept;

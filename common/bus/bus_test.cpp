@@ -276,6 +276,7 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   CHECK(reader.drops().invalid == 2);
 }
 
+#if !defined(__SANITIZE_ADDRESS__)  // which has no such limit, and ends the process instead
 TEST_CASE("a malformed sample that claims to be huge gets no memory") {
   wire::World world;
   world.agents({wire::name("dqn")});
@@ -301,6 +302,7 @@ TEST_CASE("a malformed sample that claims to be huge gets no memory") {
   CHECK(refused >= 9);  // the lengths of the three sequences that are not empty or not of numbers
   CHECK(drops.drops().malformed == refused);
 }
+#endif
 
 TEST_CASE("the future stays in the privileged partition, and workers do not hear each other") {
   const bus::Participant channel(place("channel", "w0"));

@@ -2,8 +2,10 @@
 
 #include <Random123/philox.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 using aloft::RandomStream;
@@ -27,6 +29,24 @@ TEST_CASE("streams are a pure function of seed, trial and name") {
   CHECK(RandomStream(8, 3, "city").next_u32() != first[0]);
   CHECK(RandomStream(7, 4, "city").next_u32() != first[0]);
   CHECK(RandomStream(7, 3, "fading").next_u32() != first[0]);
+}
+
+TEST_CASE("many blocks at once are the single blocks") {
+  const RandomStream stream(7, 3, "fading");
+  for (const std::uint32_t count : {0U, 1U, 3U, 16U, 53U}) {  // with whole vectors and without
+    std::vector<std::uint32_t> b;
+    std::vector<std::uint32_t> c;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      b.push_back(i * 65'537U);
+      c.push_back(100U - i);
+    }
+    std::vector<std::uint32_t> words(std::size_t{4} * count);
+    stream.blocks(9, b, c, words.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto expected = stream.block(9, b[i], c[i]);
+      CHECK(std::equal(expected.begin(), expected.end(), words.begin() + static_cast<std::ptrdiff_t>(4 * i)));
+    }
+  }
 }
 
 TEST_CASE("a stream resumes at the position where it was left") {

@@ -11,6 +11,33 @@
 constexpr int lanes = batch_lanes;
 constexpr unsigned whole_block = (1U << lanes) - 1;
 
+// --- tiles ---------------------------------------------------------------------------------------------------------
+
+/// A number that the compiler knows.
+template <int N>
+struct Size {};
+
+/// run(Size<size>, first) for a size of at most N.
+template <int N, typename Run>
+inline void run_tile(int size, int first, const Run& run) {
+  if constexpr (N > 1) {
+    if (size < N) return run_tile<N - 1>(size, first, run);
+  }
+  run(Size<N>{}, first);
+}
+
+/// Splits 0 .. total - 1 into tiles of at most `most`, as equal as can be: the sums of a small one would wait for each
+/// other. What `run` calls must not be inlined into it: it would read its arguments again and again.
+template <int most, typename Run>
+inline void in_equal_tiles(int total, const Run& run) {
+  int tiles = (total + most - 1) / most;
+  for (int first = 0; first < total; --tiles) {
+    const int size = (total - first + tiles - 1) / tiles;
+    run_tile<most>(size, first, run);
+    first += size;
+  }
+}
+
 // --- output layer -----------------------------------------------------------------------------------------------
 
 /// exp(x) for -87 <= x <= 0, relative error 1e-7: x = n ln 2 + r, Taylor to degree 7 in r.
@@ -103,7 +130,7 @@ inline void add_input(const float* weight, const float* x, V* sums) {
 
 /// Sums of N outputs from `first` on, for the whole batch.
 template <int N>
-void forward_tile(const KernelLayer& layer, int first, float* to) {
+[[gnu::noinline]] void forward_tile(const KernelLayer& layer, int first, float* to) {
   const float* weights = layer.weights + first * lanes;
   const float* rows = layer.input;
   V sums[N];
@@ -125,23 +152,8 @@ void forward_tile(const KernelLayer& layer, int first, float* to) {
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n].store(to + (first + n) * lanes);
 }
 
-/// `outputs` of them, at most N.
-template <int N>
-inline void forward_outputs_from(const KernelLayer& layer, int first, int outputs, float* to) {
-  if constexpr (N > 1) {
-    if (outputs < N) return forward_outputs_from<N - 1>(layer, first, outputs, to);
-  }
-  forward_tile<N>(layer, first, to);
-}
-
-/// In tiles as equal as can be: the sums of a small one would wait for each other.
 void forward_layer(const KernelLayer& layer, float* to) {
-  int tiles = (layer.outputs + forward_outputs - 1) / forward_outputs;
-  for (int first = 0; first < layer.outputs; --tiles) {
-    const int outputs = (layer.outputs - first + tiles - 1) / tiles;
-    forward_outputs_from<forward_outputs>(layer, first, outputs, to);
-    first += outputs;
-  }
+  in_equal_tiles<forward_outputs>(layer.outputs, [&]<int N>(Size<N>, int first) { forward_tile<N>(layer, first, to); });
 }
 
 /// Applies ReLU to the inputs of `layer` and marks those that are not zero in the whole batch.
@@ -342,7 +354,7 @@ Gradients<B> gradient_groups_from(const GradientTile& tile, const GradientList& 
 
 /// Gradients and Adam of B blocks of inputs for all outputs.
 template <int B>
-void gradient_tile(const GradientTile& tile, const GradientList& list) {
+[[gnu::noinline]] void gradient_tile(const GradientTile& tile, const GradientList& list) {
   constexpr int most = gradient_groups - 1;
   int started = most;
   while (list.count[started] == 0) --started;
@@ -350,27 +362,14 @@ void gradient_tile(const GradientTile& tile, const GradientList& list) {
   ALOFT_UNROLL for (int b = 0; b < B; ++b) last.step(tile, b);
 }
 
-/// `blocks` of them, at most B.
-template <int B>
-void gradient_blocks_from(const GradientTile& tile, int blocks, const GradientList& list) {
-  if constexpr (B > 1) {
-    if (blocks < B) return gradient_blocks_from<B - 1>(tile, blocks, list);
-  }
-  gradient_tile<B>(tile, list);
-}
-
-/// In tiles as equal as can be, like forward_layer.
 void gradient_layer(const KernelLayer& layer, const float* delta, const GradientList& list, const Adam& adam) {
   const float* inputs[lanes];
   GradientTile tile{Arrays(layer), adam, inputs, delta, 0, static_cast<long>(layer.outputs) * lanes};
-  int tiles = (layer.blocks + gradient_blocks - 1) / gradient_blocks;
-  for (int block = 0; block < layer.blocks; --tiles) {
-    const int blocks = (layer.blocks - block + tiles - 1) / tiles;
+  in_equal_tiles<gradient_blocks>(layer.blocks, [&]<int B>(Size<B>, int block) {
     for (int s = 0; s < lanes; ++s) inputs[s] = layer.input_by_sample + (s * layer.blocks + block) * lanes;
     tile.at = block * tile.block_stride;
-    gradient_blocks_from<gradient_blocks>(tile, blocks, list);
-    block += blocks;
-  }
+    gradient_tile<B>(tile, list);
+  });
 }
 
 /// For each set of 8 samples: those in it, then the others, a byte each.
@@ -406,7 +405,7 @@ GradientList list_gradients(const KernelNetwork& network, int outputs, int count
     OutputGradient& output = network.gradients[k];
     list_samples(samples, output.samples);
     output.weights = network.order[k];
-    output.delta = k < count ? k * lanes : 0;
+    output.delta = k * lanes;
     const int group = (__builtin_popcount(samples) + samples_per_group - 1) / samples_per_group;
     network.gradient_groups[group * outputs + list.count[group]++] = k;
   }

@@ -25,7 +25,7 @@ inline constexpr int gradient_groups = batch_lanes / samples_per_group + 1;
 struct OutputGradient {
   unsigned char samples[batch_lanes];  ///< those whose delta is not zero, in ascending order, then the others
   int weights;                         ///< offset of the output's weights in each block
-  int delta;                           ///< offset of its row in KernelNetwork::delta
+  int delta;                           ///< offset of its row in KernelNetwork::delta, if any sample has one
 };
 
 /// One dense layer. All arrays are aligned to 64 bytes. The bias is the weight of one more input that is always 1.

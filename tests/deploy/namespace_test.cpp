@@ -99,11 +99,11 @@ const std::vector<std::string> server_b{"--interface", "cable", "--discovery-ser
 }  // namespace
 
 TEST_CASE("a discovery server joins two hosts, and a second of partition changes nothing") {
-  if (may_make_namespaces()) fly_through_partition(1s, 30, server_a, server_b);
+  if (may_make_namespaces()) fly_through_partition(1s, 60, server_a, server_b);
 }
 
 TEST_CASE("multicast joins two hosts on one network") {
-  if (may_make_namespaces()) fly_through_partition(0s, 30, {"--interface", "cable"}, {"--interface", "cable"});
+  if (may_make_namespaces()) fly_through_partition(0s, 60, {"--interface", "cable"}, {"--interface", "cable"});
 }
 
 TEST_CASE("a partition of 5 s and of 30 s is named on both sides, and heals", "[.][soak]") {

@@ -3,14 +3,14 @@
 #include <cstdint>
 
 // Loops compiled for several vector widths and chosen at run time. All give the same bits: each operation is rounded by
-// itself, as IEEE 754 demands (no fused multiply-add, no reordering). The file that uses them must be compiled with
-// -O3.
+// itself, as IEEE 754 demands, and none is reordered. Fused multiply-adds are those written as std::fma, which the C
+// library works out where the CPU has none. The file that uses these loops must be compiled with -O3.
 #if defined(__x86_64__)
-#define ALOFT_WIDE_VECTORS [[gnu::target("avx2")]]
+#define ALOFT_WIDE_VECTORS [[gnu::target("avx2,fma")]]
 #if defined(__clang__)
-#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl")]]
+#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl,fma")]]
 #else
-#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")]]
+#define ALOFT_WIDEST_VECTORS [[gnu::target("avx512f,avx512dq,avx512vl,fma,prefer-vector-width=512")]]
 #endif
 #endif
 
@@ -33,7 +33,7 @@ inline VectorWidth vector_width() noexcept {
   static const VectorWidth width = [] {
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
       return VectorWidth::widest;
-    return __builtin_cpu_supports("avx2") ? VectorWidth::wide : VectorWidth::baseline;
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? VectorWidth::wide : VectorWidth::baseline;
   }();
   return width;
 }

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
-/// Elementary functions from additions, multiplications and divisions alone: the same bits on every machine, and loops
-/// over them vectorise. Truncated series, so that the error bound can be read off; rounding adds a few units in the
-/// last place. The tests check the stated bounds.
+/// Elementary functions from fused multiply-adds, additions, multiplications and divisions alone: the same bits on
+/// every machine, and loops over them vectorise. Truncated series, so that the error bound can be read off; rounding
+/// adds a few units in the last place. The tests check the stated bounds.
 namespace aloft::radio {
 
 /// Natural logarithm; x positive and normal. Relative error < 1e-15.
@@ -24,15 +25,15 @@ namespace aloft::radio {
   const double s = (m - 1.0) / (m + 1.0);
   const double z = s * s;
   double series = 1.0 / 19.0;
-  series = series * z + 1.0 / 17.0;
-  series = series * z + 1.0 / 15.0;
-  series = series * z + 1.0 / 13.0;
-  series = series * z + 1.0 / 11.0;
-  series = series * z + 1.0 / 9.0;
-  series = series * z + 1.0 / 7.0;
-  series = series * z + 1.0 / 5.0;
-  series = series * z + 1.0 / 3.0;
-  return k * std::numbers::ln2 + (2.0 * s + 2.0 * s * z * series);
+  series = std::fma(series, z, 1.0 / 17.0);
+  series = std::fma(series, z, 1.0 / 15.0);
+  series = std::fma(series, z, 1.0 / 13.0);
+  series = std::fma(series, z, 1.0 / 11.0);
+  series = std::fma(series, z, 1.0 / 9.0);
+  series = std::fma(series, z, 1.0 / 7.0);
+  series = std::fma(series, z, 1.0 / 5.0);
+  series = std::fma(series, z, 1.0 / 3.0);
+  return std::fma(k, std::numbers::ln2, std::fma(2.0 * s * z, series, 2.0 * s));
 }
 
 /// 2^y for |y| < 1022. Relative error < 1e-15.
@@ -42,19 +43,19 @@ namespace aloft::radio {
   const double shifted = y + to_integer;
   const double x = (y - (shifted - to_integer)) * std::numbers::ln2;
   double series = 1.0 / 6227020800.0;
-  series = series * x + 1.0 / 479001600.0;
-  series = series * x + 1.0 / 39916800.0;
-  series = series * x + 1.0 / 3628800.0;
-  series = series * x + 1.0 / 362880.0;
-  series = series * x + 1.0 / 40320.0;
-  series = series * x + 1.0 / 5040.0;
-  series = series * x + 1.0 / 720.0;
-  series = series * x + 1.0 / 120.0;
-  series = series * x + 1.0 / 24.0;
-  series = series * x + 1.0 / 6.0;
-  series = series * x + 1.0 / 2.0;
-  series = series * x + 1.0;
-  series = series * x + 1.0;
+  series = std::fma(series, x, 1.0 / 479001600.0);
+  series = std::fma(series, x, 1.0 / 39916800.0);
+  series = std::fma(series, x, 1.0 / 3628800.0);
+  series = std::fma(series, x, 1.0 / 362880.0);
+  series = std::fma(series, x, 1.0 / 40320.0);
+  series = std::fma(series, x, 1.0 / 5040.0);
+  series = std::fma(series, x, 1.0 / 720.0);
+  series = std::fma(series, x, 1.0 / 120.0);
+  series = std::fma(series, x, 1.0 / 24.0);
+  series = std::fma(series, x, 1.0 / 6.0);
+  series = std::fma(series, x, 1.0 / 2.0);
+  series = std::fma(series, x, 1.0);
+  series = std::fma(series, x, 1.0);
   return series * std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023U) << 52U);
 }
 
@@ -64,16 +65,33 @@ namespace aloft::radio {
   const double x = std::numbers::pi * (0.5 - (s < 0.0 ? -s : s));
   const double z = -(x * x);
   double series = 1.0 / 51090942171709440000.0;
-  series = series * z + 1.0 / 121645100408832000.0;
-  series = series * z + 1.0 / 355687428096000.0;
-  series = series * z + 1.0 / 1307674368000.0;
-  series = series * z + 1.0 / 6227020800.0;
-  series = series * z + 1.0 / 39916800.0;
-  series = series * z + 1.0 / 362880.0;
-  series = series * z + 1.0 / 5040.0;
-  series = series * z + 1.0 / 120.0;
-  series = series * z + 1.0 / 6.0;
-  return x + x * z * series;
+  series = std::fma(series, z, 1.0 / 121645100408832000.0);
+  series = std::fma(series, z, 1.0 / 355687428096000.0);
+  series = std::fma(series, z, 1.0 / 1307674368000.0);
+  series = std::fma(series, z, 1.0 / 6227020800.0);
+  series = std::fma(series, z, 1.0 / 39916800.0);
+  series = std::fma(series, z, 1.0 / 362880.0);
+  series = std::fma(series, z, 1.0 / 5040.0);
+  series = std::fma(series, z, 1.0 / 120.0);
+  series = std::fma(series, z, 1.0 / 6.0);
+  return std::fma(x * z, series, x);
+}
+
+/// cos(pi sqrt(s2) / 2) for 0 <= s2 <= 1. Absolute error < 1e-15. Taylor series up to x^22 with x = pi sqrt(s2) / 2.
+[[gnu::always_inline]] inline double cos_half_pi_root(double s2) noexcept {
+  const double z = (-0.25 * std::numbers::pi * std::numbers::pi) * s2;
+  double series = 1.0 / 1124000727777607680000.0;
+  series = std::fma(series, z, 1.0 / 2432902008176640000.0);
+  series = std::fma(series, z, 1.0 / 6402373705728000.0);
+  series = std::fma(series, z, 1.0 / 20922789888000.0);
+  series = std::fma(series, z, 1.0 / 87178291200.0);
+  series = std::fma(series, z, 1.0 / 479001600.0);
+  series = std::fma(series, z, 1.0 / 3628800.0);
+  series = std::fma(series, z, 1.0 / 40320.0);
+  series = std::fma(series, z, 1.0 / 720.0);
+  series = std::fma(series, z, 1.0 / 24.0);
+  series = std::fma(series, z, 1.0 / 2.0);
+  return std::fma(z, series, 1.0);
 }
 
 }  // namespace aloft::radio

@@ -49,3 +49,15 @@ TEST_CASE("the cosine of pi s is within its stated error of the library's") {
   // Near the zero: cos(pi (1/2 - 1e-9)) = sin(pi 1e-9).
   CHECK(aloft::radio::cos_pi(0.5 - 1e-9) == Approx(3.14159265358979e-9).epsilon(1e-7));
 }
+
+TEST_CASE("the cosine of a root is within its stated error of the library's") {
+  const long double pi = std::acos(-1.0L);
+  double worst = 0.0;
+  for (int i = 0; i <= 10'000; ++i) {
+    const double s2 = i / 10'000.0;
+    const auto exact = static_cast<double>(std::cos(pi * std::sqrt(static_cast<long double>(s2)) / 2));
+    worst = std::fmax(worst, std::fabs(aloft::radio::cos_half_pi_root(s2) - exact));
+  }
+  CHECK(worst < 1e-15);
+  CHECK(aloft::radio::cos_half_pi_root(0.0) == 1.0);
+}

@@ -17,18 +17,23 @@ struct Link {
   double distance_m = 0.0;  ///< horizontal
 };
 
-/// Gain of the 8-element vertical array at sine of elevation s: g(s) = (1/8) [sin(4 pi s) / sin(pi s / 2)]^2, limit 8
-/// at 0. With u = cos(pi s): sin(8x)/sin(x) = 8 cos x cos 2x cos 4x, so g = 4 (1 + u) u^2 (2 u^2 - 1)^2; no division.
-[[gnu::always_inline]] inline double array_gain(double sin_elevation) noexcept {
-  const double u = cos_pi(sin_elevation);
-  const double u2 = u * u;
-  const double w = 2.0 * u2 - 1.0;
-  return 4.0 * (1.0 + u) * u2 * (w * w);
+/// Gain of the 8-element vertical array at the elevation whose sine is s: g(s) = (1/8) [sin(4 pi s) / sin(pi s / 2)]^2,
+/// limit 8 at 0. With x = pi s / 2: sin(8x) / sin(x) = 8 cos x cos 2x cos 4x; s^2 is enough for it, without a square
+/// root.
+[[gnu::always_inline]] inline double array_gain(double sin2_elevation) noexcept {
+  const double cos_x = cos_half_pi_root(sin2_elevation);
+  const double cos_2x = std::fma(2.0 * cos_x, cos_x, -1.0);
+  const double cos_4x = std::fma(2.0 * cos_2x, cos_2x, -1.0);
+  const double product = cos_x * cos_2x * cos_4x;
+  return 8.0 * (product * product);
 }
 
 /// distance^-exponent, from the squared distance in m^2. Exponent 4, the most frequent, needs no logarithm.
 [[gnu::always_inline]] inline double path_gain(double distance2_m2, double exponent) noexcept {
-  if (exponent == 4.0) return 1.0 / (distance2_m2 * distance2_m2);
+  if (exponent == 4.0) {
+    const double inverse = 1.0 / distance2_m2;
+    return inverse * inverse;
+  }
   return exp2((-0.5 / std::numbers::ln2) * exponent * natural_log(distance2_m2));
 }
 
@@ -42,7 +47,7 @@ template <BsAntenna antenna, PathDistance path>
   const double slant2_m2 = sum_m2 < 1.0 ? 1.0 : sum_m2;
   const double path2_m2 = path == PathDistance::slant ? slant2_m2 : (horizontal2_m2 < 1.0 ? 1.0 : horizontal2_m2);
   const double antenna_gain =
-      antenna == BsAntenna::array ? array_gain(rise_m / std::sqrt(slant2_m2)) : model.sector_gain;
+      antenna == BsAntenna::array ? array_gain(rise_m * rise_m * (1.0 / slant2_m2)) : model.sector_gain;
   return model.link_gain_w * antenna_gain * path_gain(path2_m2, path_exponent);
 }
 

@@ -26,6 +26,7 @@ struct DoctorOptions {
 std::vector<Finding> examine(const DoctorOptions& options) {
   std::vector<Finding> findings{doctor::check_results(options.results),
                                 doctor::check_clock(),
+                                doctor::check_cpu(),
                                 doctor::check_socket_buffers(),
                                 doctor::check_domain(options.bus.domain, doctor::udp_ports_in_use()),
                                 doctor::check_discovery(options.bus),
@@ -66,7 +67,7 @@ int diagnose(const DoctorOptions& options) {
 
 void add_doctor(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand(
-      "doctor", "Check this machine: disk, clock, network, discovery, leftovers of killed processes; says what to do");
+      "doctor", "Check this machine: disk, clock, CPU, network, discovery, leftovers of killed processes; says what to do");
   auto options = std::make_shared<DoctorOptions>();
   options->bus.process = "aloft-doctor";
   runtime::add_bus_flags(*command, options->bus);

@@ -16,6 +16,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/keys.hpp"
 #include "common/bus/waiter.hpp"
+#include "common/learn/network.hpp"
 #include "tools/doctor/leftovers.hpp"
 
 namespace aloft::doctor {
@@ -207,6 +208,18 @@ Finding check_clock() {
     return clock_problem(State::warning,
                          "steady, but not kept in step with others (logs and certificates of several hosts need that)");
   return {"clock", State::ok, "steady and kept in step", ""};
+}
+
+Finding check_cpu(std::string_view kernels) {
+  if (kernels != learn::path_name(learn::Path::portable)) return {"cpu", State::ok, fmt::format("has {}", kernels), ""};
+  return {"cpu", State::warning,
+          "has no AVX2 with FMA: worlds take seconds instead of milliseconds, learners' results differ from other "
+          "machines'",
+          "in a virtual machine, pass the host's CPU through (QEMU: -cpu host)"};
+}
+
+Finding check_cpu() {
+  return check_cpu(learn::path_name(learn::available_paths().back()));
 }
 
 std::vector<Finding> check_keys(const fs::path& dir) {

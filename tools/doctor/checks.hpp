@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/participant.hpp"
@@ -38,6 +39,11 @@ struct Finding {
 [[nodiscard]] Finding check_discovery(const bus::BusOptions& place);
 /// The time of day must be plausible and in step with other hosts, and time must not go backwards.
 [[nodiscard]] Finding check_clock();
+/// Without AVX2 and FMA worlds and learners are slow, and learners fly otherwise. `kernels`: of
+/// learn::available_paths().
+[[nodiscard]] Finding check_cpu(std::string_view kernels);
+/// The same, of this CPU.
+[[nodiscard]] Finding check_cpu();
 /// The keys of all roles of which there is a folder.
 [[nodiscard]] std::vector<Finding> check_keys(const std::filesystem::path& dir);
 

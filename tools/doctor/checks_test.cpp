@@ -101,3 +101,11 @@ TEST_CASE("keys of every role there is are looked at", "[doctor]") {
   CHECK_THAT(findings[0].text, Contains("metrics/cert.pem: expired"));
   CHECK(findings[1].state == State::ok);
 }
+
+TEST_CASE("a CPU without the kernels' instructions is a warning", "[doctor]") {
+  CHECK(doctor::check_cpu("avx2").state == State::ok);
+  CHECK(doctor::check_cpu("avx512").state == State::ok);
+  CHECK(doctor::check_cpu("portable").state == State::warning);
+  CHECK_FALSE(doctor::check_cpu("portable").advice.empty());
+  CHECK_FALSE(doctor::check_cpu().text.empty());
+}

@@ -67,7 +67,8 @@ int diagnose(const DoctorOptions& options) {
 
 void add_doctor(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand(
-      "doctor", "Check this machine: disk, clock, CPU, network, discovery, leftovers of killed processes; says what to do");
+      "doctor",
+      "Check this machine: disk, clock, CPU, network, discovery, leftovers of killed processes; says what to do");
   auto options = std::make_shared<DoctorOptions>();
   options->bus.process = "aloft-doctor";
   runtime::add_bus_flags(*command, options->bus);

@@ -67,7 +67,7 @@ void BlockedNetwork::build_layers() {
     for (std::size_t i = 0; i <= shape.inputs; ++i) layer.alive[i / lanes] |= 1U << (i % lanes);
   }
   order_.resize(widest);
-  gradients_.resize(widest);
+  samples_.resize(widest * lanes);
   gradient_groups_.resize(gradient_groups * widest);
   network_.layer_count = static_cast<int>(layers_.size());
   network_.layers = layers_.data();
@@ -75,7 +75,7 @@ void BlockedNetwork::build_layers() {
                         &network_.delta_below})
     *array = allocate((widest + lanes) * lanes);
   network_.order = order_.data();
-  network_.gradients = gradients_.data();
+  network_.samples = samples_.data();
   network_.gradient_groups = gradient_groups_.data();
 }
 

@@ -52,7 +52,7 @@ class BlockedNetwork final : public Network {
   std::vector<AlignedFloats> memory_;
   std::vector<std::vector<unsigned>> alive_;
   std::vector<int> order_;
-  std::vector<OutputGradient> gradients_;
+  std::vector<unsigned char> samples_;
   std::vector<int> gradient_groups_;
   std::vector<KernelLayer> layers_;
   KernelNetwork network_{};

@@ -246,16 +246,6 @@ struct Adam {
   V beta1, beta2, epsilon, step_size;
 };
 
-/// A layer's arrays, passed by value for the same reason.
-struct Arrays {
-  float* weights;
-  float* first_moments;
-  float* second_moments;
-
-  explicit Arrays(const KernelLayer& layer)
-      : weights(layer.weights), first_moments(layer.first_moments), second_moments(layer.second_moments) {}
-};
-
 /// 1 / x for normal x > 0, relative error 1e-7. Integer arithmetic on the exponent gives 12 %, each of two cubic Newton
 /// steps the third power of the error. The divider is what limits Adam; this leaves only the square root to it, and
 /// unlike the hardware's estimates it is the same on every CPU.
@@ -268,106 +258,161 @@ inline V reciprocal(V x) {
   return fma(r, fma(e, e, e), r);
 }
 
-inline void adam_step(Arrays layer, long at, V g, Adam adam) {
-  const V m = fma(adam.beta1, V::load(layer.first_moments + at), g);
-  const V v = fma(adam.beta2, V::load(layer.second_moments + at), mul(g, g));
-  m.store(layer.first_moments + at);
-  v.store(layer.second_moments + at);
-  const V r = reciprocal(add(root(v), adam.epsilon));
-  fnma(mul(adam.step_size, m), r, V::load(layer.weights + at)).store(layer.weights + at);
+/// The first half of an Adam step on a block of weights: both moments. Returns the root of the second.
+inline V step_moments(float* weights, long moments, V g, Adam adam) {
+  float* const first = weights + moments;
+  float* const second = first + moments;
+  const V m = fma(adam.beta1, V::load(first), g);
+  const V v = fma(adam.beta2, V::load(second), mul(g, g));
+  m.store(first);
+  v.store(second);
+  return root(v);
+}
+
+/// The second half: the weights.
+inline void step_weights(float* weights, long moments, V root_of_second, Adam adam) {
+  const V r = reciprocal(add(root_of_second, adam.epsilon));
+  const V m = V::load(weights + moments);
+  fnma(mul(adam.step_size, m), r, V::load(weights)).store(weights);
 }
 
 /// Some blocks of a layer's inputs, with all outputs. Passed by value like Adam.
 struct GradientTile {
-  Arrays arrays;
   Adam adam;
-  const float* const* inputs;  ///< of each sample
-  const float* delta;
-  long at;  ///< where the weights of output 0 are
+  const float* const* inputs;    ///< of each sample
+  const float* delta;            ///< [output in the order][16 samples]
+  const unsigned char* samples;  ///< same layout, see KernelNetwork
+  const int* order;
+  float* weights;  ///< of output 0 in the first block
   long block_stride;
+  long moments;  ///< from weights to first moments, and on to second ones
 };
 
-/// Gradients of one output in B blocks, and where their weights are.
+/// A vector of one output in each of B blocks, and where its weights are.
 template <int B>
-struct Gradients {
-  V sums[B];
-  long at;
+struct Row {
+  V of[B];
+  float* weights;
+};
 
-  void step(const GradientTile& tile, int b) const {
-    adam_step(tile.arrays, at + b * tile.block_stride, sums[b], tile.adam);
+/// The gradients of the k-th output in the order, from the first S of its samples. Calls before(s) ahead of the s-th.
+template <int B, int S, typename Before>
+inline Row<B> gradients_of(const GradientTile& tile, int k, Before before) {
+  Row<B> sums;
+  sums.weights = tile.weights + tile.order[k];
+  const float* const delta = tile.delta + k * lanes;
+  const unsigned char* const samples = tile.samples + k * lanes;
+  ALOFT_UNROLL for (int b = 0; b < B; ++b) sums.of[b] = V::of(0.0F);
+  ALOFT_UNROLL for (int s = 0; s < S; ++s) {
+    before(s);
+    const V d = V::broadcast(delta + samples[s]);
+    const float* const x = tile.inputs[samples[s]];
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) sums.of[b] = fma(d, V::load(x + b * lanes), sums.of[b]);
+  }
+  return sums;
+}
+
+/// Two outputs on their way through Adam: each waits for the next one's gradients, so that no instruction waits long
+/// within the CPU's reach, and square roots keep the divider busy while the multipliers work.
+template <int B>
+struct Pipeline {
+  Row<B> gradients;  ///< of the last output
+  Row<B> roots;      ///< of the one before, whose moments are done
+
+  void step_weights_of(const GradientTile& tile, int b) const {
+    step_weights(roots.weights + b * tile.block_stride, tile.moments, roots.of[b], tile.adam);
+  }
+  [[nodiscard]] V step_moments_of(const GradientTile& tile, int b) const {
+    return step_moments(gradients.weights + b * tile.block_stride, tile.moments, gradients.of[b], tile.adam);
   }
 };
 
-/// From the first S samples listed. Calls before(k) ahead of the k-th.
-template <int B, int S, typename Before>
-inline Gradients<B> gradients_of(const GradientTile& tile, const OutputGradient& output, Before before) {
-  Gradients<B> result;
-  result.at = tile.at + output.weights;
-  ALOFT_UNROLL for (int b = 0; b < B; ++b) result.sums[b] = V::of(0.0F);
-  ALOFT_UNROLL for (int k = 0; k < S; ++k) {
-    before(k);
-    const int sample = output.samples[k];
-    const V d = V::broadcast(tile.delta + output.delta + sample);
-    const float* const x = tile.inputs[sample];
-    ALOFT_UNROLL for (int b = 0; b < B; ++b) result.sums[b] = fma(d, V::load(x + b * lanes), result.sums[b]);
-  }
-  return result;
-}
-
-/// Some outputs that have S samples at most. No branch depends on the samples, and the Adam steps of the output before
-/// go between the samples of this one: while square roots keep the divider busy, the multipliers work.
+/// Some outputs that have S samples at most. No branch depends on the samples.
 template <int B, int S>
-Gradients<B> gradient_group(GradientTile tile, const OutputGradient* outputs, const int* next, const int* end,
-                            Gradients<B> pending) {
+Pipeline<B> gradient_group(GradientTile tile, const int* next, const int* end, Pipeline<B> pipeline) {
   for (; next != end; ++next) {
-    const Gradients<B> steps = pending;
+    const Pipeline<B> before = pipeline;
+    Row<B> roots;
+    roots.weights = before.gradients.weights;
+    const auto step = [&](int b) {
+      before.step_weights_of(tile, b);
+      roots.of[b] = before.step_moments_of(tile, b);
+    };
     if constexpr (S == 0) {
-      ALOFT_UNROLL for (int b = 0; b < B; ++b) steps.step(tile, b);
+      ALOFT_UNROLL for (int b = 0; b < B; ++b) step(b);
     }
-    pending = gradients_of<B, S>(tile, outputs[*next], [&](int k) {
-      for (int b = k * B / S; b < (k + 1) * B / S; ++b) steps.step(tile, b);
+    pipeline.gradients = gradients_of<B, S>(tile, *next, [&](int s) {
+      for (int b = s * B / S; b < (s + 1) * B / S; ++b) step(b);
     });
+    pipeline.roots = roots;
   }
-  return pending;
+  return pipeline;
 }
 
-/// A layer's outputs by their number of samples.
+/// A layer's outputs by their number of samples. Treated from the last group, with the most samples, to the first.
 struct GradientList {
-  const OutputGradient* outputs;
-  const int* members;  ///< of the groups, each with room for `capacity`: indices of outputs
+  const int* members;  ///< of the groups, each with room for `capacity`: places in the order
   int capacity;
   int count[gradient_groups];
 };
 
-/// From group G downwards. The first output of group `started`, the first that is not empty, has none before it.
+/// The gradients of the output that is treated in this place.
+template <int B>
+Row<B> gradients_in_place(const GradientTile& tile, const GradientList& list, int place) {
+  int group = gradient_groups - 1;
+  for (; place >= list.count[group]; --group) place -= list.count[group];
+  const int k = list.members[group * list.capacity + place];
+  Row<B> gradients;
+  run_tile<gradient_groups>(group + 1, 0, [&]<int N>(Size<N>, int) {
+    gradients = gradients_of<B, (N - 1) * samples_per_group>(tile, k, [](int) {});
+  });
+  return gradients;
+}
+
+/// From group G downwards, but for the first `done` outputs.
 template <int B, int G>
-Gradients<B> gradient_groups_from(const GradientTile& tile, const GradientList& list, int started,
-                                  Gradients<B> pending) {
-  constexpr int samples = G * samples_per_group;
-  const int* next = list.members + G * list.capacity;
-  const int* const end = next + list.count[G];
-  if (G == started) pending = gradients_of<B, samples>(tile, list.outputs[*next++], [](int) {});
-  pending = gradient_group<B, samples>(tile, list.outputs, next, end, pending);
-  if constexpr (G > 0) pending = gradient_groups_from<B, G - 1>(tile, list, started, pending);
-  return pending;
+Pipeline<B> gradient_groups_from(const GradientTile& tile, const GradientList& list, int done, Pipeline<B> pipeline) {
+  const int skipped = done < list.count[G] ? done : list.count[G];
+  const int* const members = list.members + G * list.capacity;
+  pipeline = gradient_group<B, G * samples_per_group>(tile, members + skipped, members + list.count[G], pipeline);
+  if constexpr (G > 0) pipeline = gradient_groups_from<B, G - 1>(tile, list, done - skipped, pipeline);
+  return pipeline;
 }
 
 /// Gradients and Adam of B blocks of inputs for all outputs.
 template <int B>
 [[gnu::noinline]] void gradient_tile(const GradientTile& tile, const GradientList& list) {
-  constexpr int most = gradient_groups - 1;
-  int started = most;
-  while (list.count[started] == 0) --started;
-  const Gradients<B> last = gradient_groups_from<B, most>(tile, list, started, {});
-  ALOFT_UNROLL for (int b = 0; b < B; ++b) last.step(tile, b);
+  Pipeline<B> pipeline;
+  pipeline.gradients = gradients_in_place<B>(tile, list, 0);
+  const auto all_moments = [&] {
+    ALOFT_UNROLL for (int b = 0; b < B; ++b) pipeline.roots.of[b] = pipeline.step_moments_of(tile, b);
+    pipeline.roots.weights = pipeline.gradients.weights;
+  };
+  const auto all_weights = [&] { ALOFT_UNROLL for (int b = 0; b < B; ++b) pipeline.step_weights_of(tile, b); };
+  all_moments();
+  if (list.capacity > 1) {
+    pipeline.gradients = gradients_in_place<B>(tile, list, 1);
+    pipeline = gradient_groups_from<B, gradient_groups - 1>(tile, list, 2, pipeline);
+    all_weights();
+    all_moments();
+  }
+  all_weights();
 }
 
-void gradient_layer(const KernelLayer& layer, const float* delta, const GradientList& list, const Adam& adam) {
+void gradient_layer(const KernelNetwork& network, const KernelLayer& layer, const float* delta,
+                    const GradientList& list, const Adam& adam) {
   const float* inputs[lanes];
-  GradientTile tile{Arrays(layer), adam, inputs, delta, 0, static_cast<long>(layer.outputs) * lanes};
+  GradientTile tile;
+  tile.adam = adam;
+  tile.inputs = inputs;
+  tile.delta = delta;
+  tile.samples = network.samples;
+  tile.order = network.order;
+  tile.block_stride = static_cast<long>(layer.outputs) * lanes;
+  tile.moments = layer.first_moments - layer.weights;
   in_equal_tiles<gradient_blocks>(layer.blocks, [&]<int B>(Size<B>, int block) {
     for (int s = 0; s < lanes; ++s) inputs[s] = layer.input_by_sample + (s * layer.blocks + block) * lanes;
-    tile.at = block * tile.block_stride;
+    tile.weights = layer.weights + block * tile.block_stride;
     gradient_tile<B>(tile, list);
   });
 }
@@ -399,16 +444,18 @@ inline void list_samples(unsigned set, unsigned char* to) {
 
 /// `count`: the first of the outputs in the network's order have a row in `delta`.
 GradientList list_gradients(const KernelNetwork& network, int outputs, int count, const float* delta) {
-  GradientList list{network.gradients, network.gradient_groups, outputs, {}};
-  for (int k = 0; k < outputs; ++k) {
-    const unsigned samples = k < count ? nonzero(V::load(delta + k * lanes)) : 0U;
-    OutputGradient& output = network.gradients[k];
-    list_samples(samples, output.samples);
-    output.weights = network.order[k];
-    output.delta = k * lanes;
-    const int group = (__builtin_popcount(samples) + samples_per_group - 1) / samples_per_group;
-    network.gradient_groups[group * outputs + list.count[group]++] = k;
+  unsigned char* samples_of = network.samples;
+  int* next[gradient_groups];
+  for (int group = 0; group < gradient_groups; ++group) next[group] = network.gradient_groups + group * outputs;
+  for (int k = 0; k < count; ++k, samples_of += lanes) {
+    const unsigned samples = nonzero(V::load(delta + k * lanes));
+    list_samples(samples, samples_of);
+    *next[(__builtin_popcount(samples) + samples_per_group - 1) / samples_per_group]++ = k;
   }
+  for (int k = count; k < outputs; ++k) *next[0]++ = k;
+  GradientList list{network.gradient_groups, outputs, {}};
+  for (int group = 0; group < gradient_groups; ++group)
+    list.count[group] = static_cast<int>(next[group] - list.members) - group * outputs;
   return list;
 }
 
@@ -441,7 +488,7 @@ void backward(KernelNetwork& network, const Adam& adam) {
       for (int i = 0; i < layer.blocks; ++i)
         transpose(layer.input + i * lanes * lanes, lanes, layer.input_by_sample + i * lanes, layer.blocks * lanes);
     }
-    gradient_layer(layer, delta, list_gradients(network, layer.outputs, count, delta), adam);
+    gradient_layer(network, layer, delta, list_gradients(network, layer.outputs, count, delta), adam);
     float* const swap = delta;
     delta = below;
     below = swap;

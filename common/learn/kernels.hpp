@@ -21,13 +21,6 @@ enum class Loss : int {
 inline constexpr int samples_per_group = 4;
 inline constexpr int gradient_groups = batch_lanes / samples_per_group + 1;
 
-/// What the weights of one output are changed with.
-struct OutputGradient {
-  unsigned char samples[batch_lanes];  ///< those whose delta is not zero, in ascending order, then the others
-  int weights;                         ///< offset of the output's weights in each block
-  int delta;                           ///< offset of its row in KernelNetwork::delta, if any sample has one
-};
-
 /// One dense layer. All arrays are aligned to 64 bytes. The bias is the weight of one more input that is always 1.
 struct KernelLayer {
   int inputs;
@@ -35,8 +28,8 @@ struct KernelLayer {
   int blocks;  ///< of 16 inputs, the constant one included
   Activation activation;
   float* weights;          ///< [block][output][16 inputs]; zero beyond the bias
-  float* first_moments;    ///< same layout, scaled (see AdamSettings)
-  float* second_moments;   ///< same layout, scaled
+  float* first_moments;    ///< same layout, scaled (see AdamSettings); behind the weights in the same piece of memory
+  float* second_moments;   ///< same layout, scaled; as far behind the first moments
   float* input;            ///< [16 * blocks][16 samples]: inputs, a row of ones, zeros
   float* input_by_sample;  ///< [16 samples][16 * blocks]
   unsigned* alive;         ///< [block]: bit i for input i of the block, unless it is zero in the whole batch
@@ -45,15 +38,15 @@ struct KernelLayer {
 struct KernelNetwork {
   int layer_count;
   KernelLayer* layers;
-  float* output;              ///< [output][16 samples]
-  float* slope;               ///< of the output activation, same layout
-  float* targets;             ///< same layout
-  float* counted;             ///< same layout
-  float* delta;               ///< d loss / d sums of a layer: [unit in the layer's order][16 samples]
-  float* delta_below;         ///< of the layer below
-  int* order;                 ///< 16 times the numbers of a layer's outputs: those with a delta first
-  OutputGradient* gradients;  ///< [output]
-  int* gradient_groups;       ///< [group of outputs with similarly many samples][output]: indices of gradients
+  float* output;           ///< [output][16 samples]
+  float* slope;            ///< of the output activation, same layout
+  float* targets;          ///< same layout
+  float* counted;          ///< same layout
+  float* delta;            ///< d loss / d sums of a layer: [unit in the layer's order][16 samples]
+  float* delta_below;      ///< of the layer below
+  int* order;              ///< 16 times the numbers of a layer's outputs: those with a delta first
+  unsigned char* samples;  ///< [output in the order][16]: samples whose delta is not zero, ascending, then the others
+  int* gradient_groups;    ///< [group of outputs with similarly many samples][output]: places in the order
 };
 
 struct KernelTraining {

@@ -105,7 +105,7 @@ inline void transpose(const float* from, int from_stride, float* to, int to_stri
 constexpr int forward_outputs = 25;
 constexpr int delta_blocks = 3;
 constexpr int delta_samples = 8;
-constexpr int gradient_blocks = 5;
+constexpr int gradient_blocks = 7;
 
 #include "common/learn/kernel_source.hpp"
 

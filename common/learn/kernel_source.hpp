@@ -351,8 +351,8 @@ Pipeline<B> gradient_group(GradientTile tile, const int* next, const int* end, P
 
 /// A layer's outputs by their number of samples. Treated from the last group, with the most samples, to the first.
 struct GradientList {
-  const int* members;  ///< of the groups, each with room for `capacity`: places in the order
-  int capacity;
+  const int* members;  ///< of the groups, each with room for all outputs: places in the order
+  int outputs;
   int count[gradient_groups];
 };
 
@@ -361,7 +361,7 @@ template <int B>
 Row<B> gradients_in_place(const GradientTile& tile, const GradientList& list, int place) {
   int group = gradient_groups - 1;
   for (; place >= list.count[group]; --group) place -= list.count[group];
-  const int k = list.members[group * list.capacity + place];
+  const int k = list.members[group * list.outputs + place];
   Row<B> gradients;
   run_tile<gradient_groups>(group + 1, 0, [&]<int N>(Size<N>, int) {
     gradients = gradients_of<B, (N - 1) * samples_per_group>(tile, k, [](int) {});
@@ -373,7 +373,7 @@ Row<B> gradients_in_place(const GradientTile& tile, const GradientList& list, in
 template <int B, int G>
 Pipeline<B> gradient_groups_from(const GradientTile& tile, const GradientList& list, int done, Pipeline<B> pipeline) {
   const int skipped = done < list.count[G] ? done : list.count[G];
-  const int* const members = list.members + G * list.capacity;
+  const int* const members = list.members + G * list.outputs;
   pipeline = gradient_group<B, G * samples_per_group>(tile, members + skipped, members + list.count[G], pipeline);
   if constexpr (G > 0) pipeline = gradient_groups_from<B, G - 1>(tile, list, done - skipped, pipeline);
   return pipeline;
@@ -390,7 +390,7 @@ template <int B>
   };
   const auto all_weights = [&] { ALOFT_UNROLL for (int b = 0; b < B; ++b) pipeline.step_weights_of(tile, b); };
   all_moments();
-  if (list.capacity > 1) {
+  if (list.outputs > 1) {
     pipeline.gradients = gradients_in_place<B>(tile, list, 1);
     pipeline = gradient_groups_from<B, gradient_groups - 1>(tile, list, 2, pipeline);
     all_weights();

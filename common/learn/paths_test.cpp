@@ -13,10 +13,15 @@ using namespace aloft::learn;  // NOLINT(google-build-using-namespace): a test o
 namespace {
 
 const std::vector<NetworkShape>& shapes() {
-  // The published layout, a measured flight's, the widest allowed input, and odd widths that fill no tile.
+  // The published layout, a measured flight's, the widest allowed input, odd widths that fill no tile, and layers of
+  // one and two outputs.
   static const std::vector<NetworkShape> shapes{
-      dqn_shape(38), dqn_shape(18), dqn_shape(64, 72, 2), dqn_shape(15, 16, 1),
-      NetworkShape{{{17, 33, Activation::relu}, {33, 15, Activation::linear}, {15, 5, Activation::linear}}}};
+      dqn_shape(38),
+      dqn_shape(18),
+      dqn_shape(64, 72, 2),
+      dqn_shape(15, 16, 1),
+      NetworkShape{{{17, 33, Activation::relu}, {33, 15, Activation::linear}, {15, 5, Activation::linear}}},
+      NetworkShape{{{20, 2, Activation::linear}, {2, 40, Activation::relu}, {40, 1, Activation::linear}}}};
   return shapes;
 }
 

@@ -132,13 +132,12 @@ void add_swap(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand(
       "swap", "Let another agent fly the relays of a worker, in mid-flight; needs \"on_agent_loss\": \"failover\"");
   auto options = std::make_shared<SwapOptions>();
-  auto now = std::make_shared<bool>(false);
   command->add_option("--run", options->place.run, "Name of the run (aloft run ... --run NAME)")->required();
   command->add_option("--worker", options->place.worker, "Worker, e.g. w0")->required();
   command->add_option("--agent", options->agent, "Who flies from then on: one of the relay's crew")->required();
   auto* at_step = command->add_option("--at-step", options->at_step, "The first step of every flight that it flies")
                       ->check(CLI::Range(1, 10000));
-  command->add_flag("--now", *now, "From the next step on [the default]")->excludes(at_step);
+  command->add_flag("--now")->description("From the next step on [the default]")->excludes(at_step);
   runtime::add_bus_flags(*command, options->place);
   command->add_option("--limit", options->limit_s, "Seconds to wait until it flies")
       ->check(CLI::Range(1, 600))

@@ -81,9 +81,13 @@ void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participa
                                              rtps::ParticipantDiscoveryInfo&& info) {
   using Info = rtps::ParticipantDiscoveryInfo;
   const rtps::ParticipantProxyData& data = info.info;
-  if (info.status == Info::DROPPED_PARTICIPANT || info.status == Info::REMOVED_PARTICIPANT) {
-    spdlog::debug("{} {}", introduction(data), info.status == Info::REMOVED_PARTICIPANT ? "leaves" : "is silent");
-    reunion_.gone(data.m_guid.guidPrefix);
+  if (info.status == Info::REMOVED_PARTICIPANT) {
+    spdlog::debug("{} leaves", introduction(data));
+    reunion_.left(data.m_guid.guidPrefix);
+  }
+  if (info.status == Info::DROPPED_PARTICIPANT) {
+    spdlog::debug("{} is silent", introduction(data));
+    reunion_.fell_silent(data.m_guid.guidPrefix, Reunion::Clock::now());
   }
   if (info.status != Info::DISCOVERED_PARTICIPANT) return;
   spdlog::debug("hears {}", introduction(data));

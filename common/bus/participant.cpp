@@ -157,6 +157,10 @@ std::vector<std::string> Participant::runs() const {
   return state_->neighbourhood.runs();
 }
 
+std::vector<std::string> Participant::absent(std::chrono::milliseconds patience) const {
+  return state_->neighbourhood.reunion().absent(patience, Reunion::Clock::now());
+}
+
 Participant::State::State(const BusOptions& wanted) : options(wanted) {
   if (options.domain < 0 || options.domain > max_domain)
     throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));

@@ -60,6 +60,9 @@ class Participant {
   [[nodiscard]] std::uint64_t drops() const;
   /// Names of the runs in this domain of which a process is heard now, sorted; it takes up to 0.5 s to hear them all.
   [[nodiscard]] std::vector<std::string> runs() const;
+  /// Names and addresses of processes that may be back soon: silent for less than `patience` and not replaced, or back
+  /// a moment ago, so that perhaps not all of their readers are known.
+  [[nodiscard]] std::vector<std::string> absent(std::chrono::milliseconds patience) const;
 
   struct State;
   [[nodiscard]] const std::shared_ptr<State>& state() const noexcept { return state_; }

@@ -36,18 +36,29 @@ void Reunion::heard(const Process& process, const std::string& name, Clock::time
   const std::lock_guard lock(mutex_);
   Peer& who = peer(process);
   who.name = name;
+  who.silent_since.reset();
   if (!std::exchange(who.gone, false)) return;
   who.times_asked = 0;
   who.due = now + first_patience;
 }
 
-void Reunion::gone(const Process& process) {
-  const std::lock_guard lock(mutex_);
+Reunion::Peer& Reunion::forget(const Process& process) {
   Peer& who = peer(process);
   who.gone = true;
   who.due.reset();
   who.writers.clear();
   who.readers.clear();
+  return who;
+}
+
+void Reunion::left(const Process& process) {
+  const std::lock_guard lock(mutex_);
+  forget(process).silent_since.reset();
+}
+
+void Reunion::fell_silent(const Process& process, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  forget(process).silent_since = now;
 }
 
 void Reunion::found(const Endpoint& endpoint, Kind kind) {
@@ -107,6 +118,19 @@ bool Reunion::asks(const Process& asker, const Question& question, const Process
     return std::exchange(answered_[asker], number) != number;
   }
   return false;
+}
+
+std::vector<std::string> Reunion::absent(Clock::duration patience, Clock::time_point now) const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string_view> present;
+  for (const auto& [process, who] : peers_)
+    if (!who.gone) present.insert(who.name);
+  std::vector<std::string> names;
+  for (const auto& [process, who] : peers_) {
+    const bool silent = who.silent_since && now - *who.silent_since < patience && !present.contains(who.name);
+    if (silent || who.due) names.push_back(who.name);
+  }
+  return names;
 }
 
 }  // namespace aloft::bus

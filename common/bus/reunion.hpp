@@ -37,8 +37,10 @@ class Reunion {
   // --- what the middleware says about others ---
 
   void heard(const Process& process, const std::string& name, Clock::time_point now);
-  /// It has left, or is taken for dead: its lease has expired, or the discovery server says so.
-  void gone(const Process& process);
+  /// It says so, or the discovery server does.
+  void left(const Process& process);
+  /// Its lease has expired.
+  void fell_silent(const Process& process, Clock::time_point now);
   void found(const Endpoint& endpoint, Kind kind);
   void removed(const Endpoint& endpoint, Kind kind);
 
@@ -51,6 +53,10 @@ class Reunion {
   /// Somebody's question. True if it is a new one, and to us.
   bool asks(const Process& asker, const Question& question, const Process& self);
 
+  /// Names of those who may be back soon: silent for less than `patience` with nobody of the same name in their place,
+  /// or back a moment ago.
+  [[nodiscard]] std::vector<std::string> absent(Clock::duration patience, Clock::time_point now) const;
+
  private:
   struct Peer {
     std::string name;
@@ -59,6 +65,7 @@ class Reunion {
     bool had_writers = false;
     bool had_readers = false;
     bool gone = false;
+    std::optional<Clock::time_point> silent_since;  // none: here, or it has left
     unsigned times_asked = 0;
     std::uint32_t number = 0;              // of the latest question
     std::optional<Clock::time_point> due;  // of the next question; none: nothing is missing
@@ -68,6 +75,7 @@ class Reunion {
     }
   };
   Peer& peer(const Process& process);
+  Peer& forget(const Process& process);
 
   mutable std::mutex mutex_;
   std::map<Process, Peer> peers_;

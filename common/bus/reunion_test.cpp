@@ -38,7 +38,7 @@ struct Scene {
   void lose() {
     reunion.removed(endpoint(2, 2), Kind::reader);
     reunion.removed(endpoint(2, 1), Kind::writer);
-    reunion.gone(other);
+    reunion.fell_silent(other, start);
     reunion.heard(other, "other", start);
   }
 };
@@ -85,7 +85,7 @@ TEST_CASE("a question to one still holds the open question to another") {
   Scene scene;
   scene.reunion.found(endpoint(3, 1), Kind::writer);
   scene.lose();
-  scene.reunion.gone(third);
+  scene.reunion.fell_silent(third, start);
   REQUIRE(scene.reunion.question(start + 500ms));
   scene.reunion.heard(third, "third", start + 600ms);
   const auto question = scene.reunion.question(start + 1200ms);
@@ -99,7 +99,7 @@ TEST_CASE("who leaves, or never answers, is not asked for ever") {
   scene.lose();
   SECTION("leaves") {
     REQUIRE(scene.reunion.question(start + 500ms));
-    scene.reunion.gone(other);
+    scene.reunion.left(other);
     CHECK_FALSE(scene.reunion.question(start + 1h));
   }
   SECTION("never answers") {
@@ -119,4 +119,31 @@ TEST_CASE("user data of others is no question") {
   auto cut = *scene.reunion.question(start + 500ms);
   cut.pop_back();
   CHECK_FALSE(reunion.asks(process(9), cut, other));
+}
+
+TEST_CASE("absent is who is silent for a short time and not replaced, or back a moment ago") {
+  using Names = std::vector<std::string>;
+  Scene scene;
+  CHECK(scene.reunion.absent(10s, start).empty());
+  scene.reunion.fell_silent(other, start);
+  CHECK(scene.reunion.absent(10s, start + 9s) == Names{"other"});
+  CHECK(scene.reunion.absent(10s, start + 10s).empty());
+  SECTION("back") {
+    scene.reunion.heard(other, "other", start + 1s);
+    CHECK(scene.reunion.absent(10s, start + 2s) == Names{"other"});  // its lists may still come
+    scene.reunion.found(endpoint(2, 1), Kind::writer);
+    scene.reunion.found(endpoint(2, 2), Kind::reader);
+    CHECK_FALSE(scene.reunion.question(start + 1500ms));
+    CHECK(scene.reunion.absent(10s, start + 2s).empty());
+  }
+  SECTION("replaced, before or after its silence was noticed") {
+    scene.reunion.heard(third, "other", start + 1s);
+    CHECK(scene.reunion.absent(10s, start + 2s).empty());
+    scene.reunion.fell_silent(third, start + 3s);
+    CHECK(scene.reunion.absent(10s, start + 4s) == Names{"other", "other"});
+  }
+  SECTION("left") {
+    scene.reunion.left(other);
+    CHECK(scene.reunion.absent(10s, start + 1s).empty());
+  }
 }

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <optional>
 #include <random>
+#include <thread>
 
 #include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
@@ -25,6 +26,8 @@ constexpr auto status_time = 500ms;
 constexpr auto status_time_on_change = 100ms;
 constexpr auto say_again_time = 10s;
 constexpr auto farewell_time = 1s;              // for the last message to arrive
+constexpr auto absence_time = 5s;               // for the absent to come back and hear it, too
+constexpr auto absent_patience = 10s;           // whoever is silent for longer is not waited for
 constexpr auto database_time = 10s;             // for the collector to make the database
 constexpr auto reread_delay = 1s;               // until both sides of a new connection know each other
 constexpr std::uint32_t reread_flights = 5000;  // at a time: some 20 ms
@@ -213,6 +216,7 @@ class Conversation {
     if (!collector_failure_.empty()) failures.insert(failures.begin(), collector_failure_);
     failures.resize(std::min(failures.size(), failures_told));
     write_status(state, coordinator_.progress(Clock::now()), fmt::format("{}", fmt::join(failures, "\n")));
+    wait_for_absent();
     const auto until = Clock::now() + farewell_time;
     if (!controls_.wait_acknowledged(farewell_time)) spdlog::warn("not everyone has heard that the run is over");
     statuses_.wait_acknowledged(
@@ -222,6 +226,19 @@ class Conversation {
     const Progress progress = coordinator_.progress(Clock::now());
     throw std::runtime_error(fmt::format("{} of {} flights stored, {} trials failed", progress.flights_stored,
                                          progress.flights_total, progress.trials_failed));
+  }
+
+  /// Of the end of a run its last words tell, and they reach only those whom we know: who was lost a moment ago would
+  /// wait for a coordinator that is no more.
+  void wait_for_absent() {
+    const auto until = Clock::now() + absence_time;
+    for (bool told = false; !stop_.requested() && Clock::now() < until; std::this_thread::sleep_for(tick_time)) {
+      const std::vector<std::string> absent = participant_.absent(absent_patience);
+      if (absent.empty()) return;
+      if (!told) spdlog::info("waits until these are back and hear that the run is over: {}", fmt::join(absent, ", "));
+      told = true;
+      notifier_.alive();
+    }
   }
 
   bus::StopSignal& stop_;

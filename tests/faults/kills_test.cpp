@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <iostream>
+#include <map>
 #include <numeric>
 #include <thread>
 
@@ -92,28 +93,70 @@ TEST_CASE("the command itself is killed, and the same command goes on", "[kills]
   scene.check_finished("resumed", *run, 120s);
 }
 
+namespace {
+
+/// A run whose processes are started one by one, without anybody who would start or end them.
+class LooseRun {
+ public:
+  LooseRun(const FaultScene& scene, std::string name) : scene_(scene), name_(std::move(name)) {}
+
+  using Group = std::map<std::string, std::unique_ptr<Command>>;  // by name of the log
+
+  [[nodiscard]] std::unique_ptr<Command> collector() const { return start("aloft-metrics", results()); }
+  [[nodiscard]] std::unique_ptr<Command> coordinator() const {
+    auto options = results();
+    options.insert(options.end(), {"--heartbeat-timeout", "0.8"});
+    return start("aloft-coordinator", options);
+  }
+  [[nodiscard]] Group worker(const std::string& worker) const {
+    Group group = worker_without_learner(worker);
+    group["aloft-learning-agent-" + worker] = start("aloft-learning-agent", {"--worker", worker});
+    return group;
+  }
+  [[nodiscard]] Group worker_without_learner(const std::string& worker) const {
+    Group group;
+    for (const std::string program : {"aloft-environment", "aloft-channel", "aloft-baseline-agent"})
+      group[program + "-" + worker] = start(program, {"--worker", worker});
+    return group;
+  }
+  static void send(const Group& group, int signal) {
+    for (const auto& [log, process] : group) process->send(signal);
+  }
+  /// They hear of the end and follow.
+  void check_ends(const Group& group) const {
+    INFO(scene_.log(name_, "aloft-coordinator"));
+    for (const auto& [log, process] : group) {
+      INFO(scene_.log(name_, log));
+      CHECK(process->wait(20s).exit_code == 0);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string> results() const {
+    return {"--results", scene_.out(name_).string(), "--experiment",
+            (scene_.out("reference") / "experiment.json").string()};
+  }
+  [[nodiscard]] std::unique_ptr<Command> start(const std::string& program, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{program,       "--run",     fmt::format("loose-{}", getpid()),   "--domain",
+                                       test_domain(), "--log-dir", (scene_.out(name_) / "log").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<Command>(arguments);
+  }
+
+  const FaultScene& scene_;
+  std::string name_;
+};
+
+}  // namespace
+
 TEST_CASE("a worker stops for longer than its lease, and comes back with late results", "[stops]") {
   const FaultScene scene(60);
   const std::string name = "stopped";
-  const auto service = [&](const std::string& program, std::vector<std::string> more) {
-    std::vector<std::string> arguments{program,       "--run",     fmt::format("stop-{}", getpid()),  "--domain",
-                                       test_domain(), "--log-dir", (scene.out(name) / "log").string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return std::make_unique<Command>(arguments);
-  };
-  const std::vector<std::string> results{"--results", scene.out(name).string(), "--experiment",
-                                         (scene.out("reference") / "experiment.json").string()};
-  const auto metrics = service("aloft-metrics", results);
-  auto coordinator_options = results;
-  coordinator_options.insert(coordinator_options.end(), {"--heartbeat-timeout", "0.8"});
-  const auto coordinator = service("aloft-coordinator", coordinator_options);
-  std::vector<std::vector<std::unique_ptr<Command>>> workers(2);
-  for (std::size_t i = 0; i < workers.size(); ++i)
-    for (const char* program : {"aloft-environment", "aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
-      workers[i].push_back(service(program, {"--worker", fmt::format("w{}", i)}));
-  const auto send = [](const std::vector<std::unique_ptr<Command>>& worker, int signal) {
-    for (const auto& process : worker) process->send(signal);
-  };
+  const LooseRun run(scene, name);
+  const auto metrics = run.collector();
+  const auto coordinator = run.coordinator();
+  const LooseRun::Group w0 = run.worker("w0");
+  const LooseRun::Group w1 = run.worker("w1");
   const auto times_lost = [&] {
     const std::string log = scene.log(name, "aloft-coordinator");
     int times = 0;
@@ -130,17 +173,40 @@ TEST_CASE("a worker stops for longer than its lease, and comes back with late re
     scene.wait_for_flights(name, *coordinator, scene.flights() * eighth / 8);
     ++round;
     const int lost_before = times_lost();
-    send(workers[0], SIGSTOP);
-    round == 1 ? metrics->send(SIGSTOP) : send(workers[1], SIGSTOP);
+    LooseRun::send(w0, SIGSTOP);
+    round == 1 ? metrics->send(SIGSTOP) : LooseRun::send(w1, SIGSTOP);
     CHECK(eventually(30s, [&] { return times_lost() > lost_before; }));
     std::this_thread::sleep_for(1s);
-    send(workers[0], SIGCONT);
-    round == 1 ? metrics->send(SIGCONT) : send(workers[1], SIGCONT);
+    LooseRun::send(w0, SIGCONT);
+    round == 1 ? metrics->send(SIGCONT) : LooseRun::send(w1, SIGCONT);
   }
   CHECK(coordinator->wait(120s).exit_code == 0);
   CHECK(metrics->wait(20s).exit_code == 0);
-  for (const auto& worker : workers)
-    for (const auto& process : worker) CHECK(process->wait(20s).exit_code == 0);
+  run.check_ends(w0);
+  run.check_ends(w1);
   CHECK(times_lost() >= round);
+  CHECK(scene.digest(name) == scene.reference());
+}
+
+TEST_CASE("who was lost a moment before the end of the run is told of it when it is back", "[stops]") {
+  const FaultScene scene;
+  const std::string name = "absent";
+  const LooseRun run(scene, name);
+  const auto metrics = run.collector();
+  const auto coordinator = run.coordinator();
+  const LooseRun::Group lost = run.worker_without_learner("w0");  // cannot finish the run alone
+  scene.wait_for_flights(name, *coordinator, 1);
+  LooseRun::send(lost, SIGSTOP);
+  std::this_thread::sleep_for(3s);  // all forget it
+  const LooseRun::Group other = run.worker("w1");
+  CHECK(eventually(30s, [&] {
+    return scene.log(name, "aloft-coordinator").find("waits until these are back") != std::string::npos;
+  }));
+  CHECK(coordinator->running());
+  LooseRun::send(lost, SIGCONT);
+  CHECK(coordinator->wait(20s).exit_code == 0);
+  CHECK(metrics->wait(20s).exit_code == 0);
+  run.check_ends(lost);
+  run.check_ends(other);
   CHECK(scene.digest(name) == scene.reference());
 }

@@ -95,6 +95,15 @@ void pump_until(std::vector<FakeWorker*> workers, const Condition& done, std::ch
     for (FakeWorker* worker : workers) worker->pump();
     std::this_thread::sleep_for(2ms);
   }
+  for (FakeWorker* worker : workers) worker->pump();  // what came last
+}
+
+/// Not more flights than that: the run goes on afterwards, however late the confirmations come.
+void pump_until_confirmed(FakeWorker& worker, std::size_t flights) {
+  pump_until({&worker}, [&] {
+    if (worker.flown().size() >= flights) worker.behaviour.flights_per_pump = 0;
+    return worker.confirmations() >= flights;
+  });
 }
 
 int times_flown(const FakeWorker& worker) {
@@ -125,8 +134,11 @@ TEST_CASE("two workers, every record twice, one of another experiment: all fligh
   std::string http_metrics;
   std::string http_status;
   pump_until({&w0, &w1}, [&] {
-    const bool half_time = w0.confirmations() > flights_total / 2;
-    if (half_time && http_metrics.empty()) {
+    const bool half_flown = w0.flown().size() + w1.flown().size() > flights_total / 2;
+    const bool half_stored = w0.confirmations() > flights_total / 2;
+    // Not all, before the collector has been asked: it ends with the run.
+    w0.behaviour.flights_per_pump = w1.behaviour.flights_per_pump = half_flown && http_metrics.empty() ? 0 : 1;
+    if (half_stored && http_metrics.empty()) {
       w0.send({0, 0, "min-height"}, "rubbish", "0000000000000000");
       http_metrics = http_get(run, "/metrics").value_or("no answer");
       http_status = http_get(run, "/status").value_or("no answer");
@@ -269,7 +281,7 @@ TEST_CASE("two different results of one flight stop the run loudly", "[coordinat
   const auto metrics = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");
   FakeWorker worker = run.worker("w0");
-  pump_until({&worker}, [&] { return worker.confirmations() >= 6; });
+  pump_until_confirmed(worker, 6);
   const experiment::FlightKey key{0, 0, "min-height"};
   worker.send(key, synthetic_trace(run.experiment, {0, 1, "min-height"}), run.experiment.id);
   pump_until({&worker}, [&] { return !coordinator->running() && !metrics->running(); });
@@ -287,14 +299,15 @@ TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
   {
     const auto metrics = run.start("aloft-metrics");
     const auto coordinator = run.start("aloft-coordinator");
-    pump_until({&worker}, [&] { return worker.confirmations() >= 20; });
+    pump_until_confirmed(worker, 20);
     coordinator->send(SIGINT);
     pump_until(
-        {&worker}, [&] { return !coordinator->running() && !metrics->running(); }, 3s);
+        {&worker}, [&] { return !coordinator->running() && !metrics->running(); }, 10s);
     CHECK(coordinator->wait().exit_code == 130);
     CHECK(metrics->wait().exit_code == 0);  // it heard of the end
     CHECK(worker.run_state() == wire::RUN_STOPPING);
   }
+  worker.behaviour.flights_per_pump = 1;
   const auto metrics = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");
   pump_until({&worker}, [&] { return !coordinator->running() && !metrics->running(); });

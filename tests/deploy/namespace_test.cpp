@@ -71,7 +71,7 @@ void fly_through_partition(std::chrono::milliseconds partition, int trials, cons
   const auto far = run.start("worker", there, hosts.on_b());
   INFO(far->error_so_far());
   REQUIRE(
-      comes_true([&] { return run.log("aloft-coordinator").find("worker far is here") != std::string::npos; }, 15s));
+      comes_true([&] { return run.log("aloft-coordinator").find("worker far is here") != std::string::npos; }, 30s));
   std::this_thread::sleep_for(1s);
 
   hosts.cut();

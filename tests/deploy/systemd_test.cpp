@@ -68,6 +68,7 @@ TEST_CASE("coordinator, metrics and worker keep the service manager informed; a 
     CHECK(comes_true([&] { return managers[i]->count("READY=1") == 1 && managers[i]->count("WATCHDOG=1") > 3; }, 20s));
   }
   processes[0]->send(SIGSTOP);
+  std::this_thread::sleep_for(100ms);  // what it was just saying
   const std::size_t before = managers[0]->count("WATCHDOG=1");
   std::this_thread::sleep_for(1s);
   CHECK(managers[0]->count("WATCHDOG=1") == before);
@@ -76,7 +77,7 @@ TEST_CASE("coordinator, metrics and worker keep the service manager informed; a 
     INFO(programs[i]);
     CHECK(managers[i]->count("READY=1") == 1);  // reads what has come: a full socket would refuse more
     processes[i]->send(SIGTERM);
-    CHECK(comes_true([&] { return managers[i]->count("STOPPING=1") == 1 && !processes[i]->running(); }, 15s));
+    CHECK(comes_true([&] { return managers[i]->count("STOPPING=1") == 1 && !processes[i]->running(); }, 30s));
     CHECK(processes[i]->wait(15s).exit_code == 130);
     CHECK(managers[i]->count("STOPPING=1") == 1);
     CHECK(managers[i]->count("READY=1") == 1);  // its children do not speak for it

@@ -130,12 +130,12 @@ TEST_CASE("damaged results are refused with a hint, or give the right numbers", 
 }
 
 TEST_CASE("a damaged write-ahead log loses at most flights, which the same command flies again", "[storage]") {
-  const FaultScene scene(8);
+  const FaultScene scene(40);
   const std::vector<std::string> all_flights{"aloft",     "export",   scene.out("reference").string(),
                                              "--flights", "--format", "csv"};
   const std::set<std::string> right = lines_of(run_command(all_flights).out);
   auto run = scene.start("killed", {"--workers", "2"});
-  scene.wait_for_flights("killed", *run, scene.flights() / 2);
+  scene.wait_for_flights("killed", *run, scene.flights() / 8);
   const std::vector<int> services = scene.services("killed", *run);
   run->send(SIGKILL);
   for (const int pid : services) kill(pid, SIGKILL);

@@ -319,7 +319,7 @@ TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
 TEST_CASE("a run without workers says so, and gives up if told to", "[coordinator]") {
   const Run run;
   const auto coordinator = run.start("aloft-coordinator", {"--give-up-after", "4.6"});
-  const Finished finished = coordinator->wait(10s);
+  const Finished finished = coordinator->wait(30s);
   CHECK(finished.exit_code == 1);
   CHECK_THAT(finished.err, Contains("no worker for 4 s; waiting for one to join") && Contains("--give-up-after"));
 }
@@ -328,17 +328,17 @@ TEST_CASE("what cannot work is refused with exit code 2", "[coordinator][metrics
   const Run run;
   for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
     const Finished finished =
-        run_command({program, "--results", run.results().string(), "--experiment", "/nonexistent.json"}, 10s);
+        run_command({program, "--results", run.results().string(), "--experiment", "/nonexistent.json"}, 30s);
     CHECK(finished.exit_code == 2);
     CHECK_THAT(finished.err, Contains("/nonexistent.json"));
     CHECK_FALSE(std::filesystem::exists(run.results()));
-    const Finished unknown = run.start(program, {"--no-such-option"})->wait(10s);
+    const Finished unknown = run.start(program, {"--no-such-option"})->wait(30s);
     CHECK(unknown.exit_code == 2);
   }
   experiment::Experiment other = experiment::parse(experiment_text, "test", {{}, {}, 5, {}});
   (void)store::ResultStore::open_for_writing(run.results(), other);
   for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
-    const Finished finished = run.start(program)->wait(10s);
+    const Finished finished = run.start(program)->wait(30s);
     CHECK(finished.exit_code == 2);
     CHECK_THAT(finished.err, Contains("another"));
   }

@@ -80,24 +80,25 @@ std::string agent_state(const Json& run, const std::string& name) {
   return "not there";
 }
 
+bool is_there(const Json& run, const std::string& agent) {
+  const std::string state = agent_state(run, agent);
+  return state == "flying" || state == "ready";
+}
+
 }  // namespace
 
 TEST_CASE("status finds a run, tells how it goes, and notices who is gone") {
   const EndlessRun endless;
   const Json run = endless.status_until([](const Json& now) {
-    return now["flights_stored"] > 0 && now["workers"].size() == 1 && agent_state(now, "dqn") == "flying";
+    return now["flights_stored"] > 0 && now["state"] == "running" && now["collector"]["state"] == "storing" &&
+           now["eta_s"].is_number() && now["workers"].size() == 1 && now["workers"][0]["state"] == "alive" &&
+           now["workers"][0]["leases"].size() > 0 && agent_state(now, "dqn") == "flying" &&
+           is_there(now, "min-height") && is_there(now, "random-walk");
   });
   CHECK(run["experiment"] == "endless");
-  CHECK(run["state"] == "running");
   CHECK(run["flights_total"] == 150000);
-  CHECK(run["collector"]["state"] == "storing");
-  CHECK(run["eta_s"].is_number());
   CHECK(run["workers"][0]["worker"] == "w0");
-  CHECK(run["workers"][0]["state"] == "alive");
-  CHECK(run["workers"][0]["leases"].size() > 0);
   CHECK(run["workers"][0]["drops"] == 0);
-  for (const char* agent : {"min-height", "random-walk"})
-    CHECK((agent_state(run, agent) == "flying" || agent_state(run, agent) == "ready"));
 
   const Finished text = run_command({"aloft", "status", "--run", endless.name(), "--domain", endless.domain()});
   CHECK(text.exit_code == 0);
@@ -114,7 +115,7 @@ TEST_CASE("status --watch goes on until Ctrl-C, one JSON object per line") {
   std::this_thread::sleep_for(std::chrono::milliseconds(2500) * slowdown);
   CHECK(watch.running());
   watch.send(SIGINT);
-  const Finished finished = watch.wait(std::chrono::seconds(10));
+  const Finished finished = watch.wait(std::chrono::seconds(20));
   CHECK(finished.exit_code == 0);
   const std::string first = finished.out.substr(0, finished.out.find('\n'));
   CHECK(Json::parse(first)["runs"].is_array());

@@ -337,8 +337,9 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
 }
 
 TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
+  // The learner sets the pace: the flights last longer than the test.
   const Scene scene(experiment_text("failover", 2, 8000, R"([{"agent": "min-height"},
-    {"agent": {"type": "dqn", "epochs": 20, "hidden_width": 64}}, {"agent": "constant-80"}])"));
+    {"agent": {"type": "dqn", "epochs": 300, "hidden_width": 64}}, {"agent": "constant-80"}])"));
   Command run(scene.command("run", {"--workers", "1"}));
   const auto swap = [&](std::vector<std::string> options, const std::string& worker = "w0") {
     options.insert(options.begin(), {"aloft", "swap", "--run", Scene::run_name("run"), "--domain", test_domain(),

@@ -190,14 +190,14 @@ TEST_CASE("a worker of real processes flies the same bytes as one process, and k
     scene.start(program);
   CHECK(scene.listen_until([&] { return scene.everything_stored(); }));
   CHECK(scene.deliveries_.size() == scene.expected_.size());
-  CHECK(scene.deliveries_[scene.unconfirmed_once_] == 2);
+  CHECK(scene.deliveries_[scene.unconfirmed_once_] >= 2);
   CHECK(scene.status_.steps_done() == 20 * scene.expected_.size());
   CHECK(scene.status_.drops() == 0);
 
   scene.control(wire::RUN_FINISHED);
   for (auto& [program, process] : scene.processes_) {
     INFO(program);
-    CHECK(process->wait(5s).exit_code == 0);
+    CHECK(process->wait(20s).exit_code == 0);
   }
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("a foreign program on another DDS implementation plays min-height thro
     for (const flight::StepRecord& step : record.steps) CHECK(step.height_m == 40.0);
   }
   scene.processes_["aloft-foreign-agent"]->send(SIGTERM);
-  CHECK(scene.processes_["aloft-foreign-agent"]->wait(5s).exit_code == 0);
+  CHECK(scene.processes_["aloft-foreign-agent"]->wait(20s).exit_code == 0);
 }
 
 TEST_CASE("Ctrl-C ends every process of a worker at once and leaves nothing behind") {
@@ -256,7 +256,7 @@ TEST_CASE("Ctrl-C ends every process of a worker at once and leaves nothing behi
   for (const auto& [program, process] : scene.processes_) process->send(SIGINT);
   for (auto& [program, process] : scene.processes_) {
     INFO(program);
-    CHECK(process->wait(5s).exit_code == 130);
+    CHECK(process->wait(20s).exit_code == 130);
   }
   CHECK(test::processes_with(scene.place_.run).empty());
   CHECK(shared_memory_files() == before);

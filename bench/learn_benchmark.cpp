@@ -1,7 +1,9 @@
-// Training speed beside the arithmetic floor of the same core: the time that the multiplications of a gradient step
-// would take alone, at the rate of a pure multiply-add loop with the same instructions (Eigen: with AVX2). Floor and
-// training take short turns; see shortest_turn.hpp. Once on random minibatches, in which nearly every unit works for
-// some sample, and once in a DQN's flight, in which many units are dead for a whole minibatch and are skipped.
+// Training speed beside the arithmetic floor of the same core: the time that the arithmetic of a gradient step would
+// take at the rate of a pure multiply-add loop with the same instructions (Eigen: with AVX2). Two floors: all of it,
+// as if a root or a quotient took no longer than a sum; and the matrix products alone, as if Adam took no time at all.
+// Floor and training take short turns; see shortest_turn.hpp. Once on random minibatches, in which nearly every unit
+// works for some sample, and once in a DQN's flight, in which many units are dead for a whole minibatch and are
+// skipped.
 
 #include <fmt/format.h>
 
@@ -28,15 +30,23 @@ constexpr std::size_t steps_per_turn = 5;
 constexpr std::uint32_t flight_steps = 100;
 constexpr std::size_t epochs = 200;  // gradient steps per step of a flight
 
-/// Multiply-adds of one gradient step on a batch of 16: forward, weight gradients, and deltas of all layers but the
-/// first, without biases.
-double multiply_adds(const learn::NetworkShape& shape) {
-  double per_sample = 0;
+/// Floating-point operations of one gradient step on a batch of 16.
+struct Operations {
+  double products = 0;  ///< forward, weight gradients, and deltas of all layers but the first, without biases
+  double adam = 0;
+};
+
+Operations operations(const learn::NetworkShape& shape) {
+  constexpr double multiply_add = 2;
+  constexpr double adam_per_weight = 2 + 3 + 3;  // first moment; second; root, quotient and difference
+  Operations result;
   for (std::size_t i = 0; i < shape.layers.size(); ++i) {
-    const auto weights = static_cast<double>(shape.layers[i].inputs * shape.layers[i].outputs);
-    per_sample += weights * (i == 0 ? 2.0 : 3.0);
+    const auto inputs = static_cast<double>(shape.layers[i].inputs);
+    const auto outputs = static_cast<double>(shape.layers[i].outputs);
+    result.products += inputs * outputs * (i == 0 ? 2.0 : 3.0) * multiply_add * learn::batch_lanes;
+    result.adam += (inputs + 1) * outputs * adam_per_weight;
   }
-  return per_sample * learn::batch_lanes;
+  return result;
 }
 
 /// As many turns as what it is compared with, so that both have the same chances of an undisturbed core.
@@ -47,16 +57,24 @@ class Floor {
   void take_turn(std::size_t turn) {
     bench::shortest_turn(best_s_[turn], path_ == Path::avx512 ? bench_floor::avx512_loop : bench_floor::avx2_loop);
   }
-  [[nodiscard]] double step_s(const learn::NetworkShape& shape) const {
-    const double lanes = path_ == Path::avx512 ? 16.0 : 8.0;
+  /// The time of so many operations.
+  [[nodiscard]] double seconds(double operations) const {
+    const double per_instruction = path_ == Path::avx512 ? 32.0 : 16.0;
     const double turn_s = std::reduce(best_s_.begin(), best_s_.end()) / static_cast<double>(best_s_.size());
-    return multiply_adds(shape) / (lanes * bench_floor::instructions_per_turn) * turn_s;
+    return operations / (per_instruction * bench_floor::instructions_per_turn) * turn_s;
   }
 
  private:
   Path path_;
   std::vector<double> best_s_;
 };
+
+void print_row(Path path, const char* what, double step_s, const Floor& floor) {
+  const Operations all = operations(learn::dqn_shape(38));
+  const double floor_s = floor.seconds(all.products + all.adam);
+  fmt::print("{:<10} {:<14} {:>18.1f} {:>10.1f} {:>10.2f} {:>21.2f}\n", learn::path_name(path), what, step_s * 1e6,
+             floor_s * 1e6, step_s / floor_s, step_s / floor.seconds(all.products));
+}
 
 /// All the steps on a minibatch, as an agent takes them, with a network that has seen another one before. Several
 /// times the same; of each turn the fastest.
@@ -78,9 +96,7 @@ void random_minibatches(Path path, Loss loss) {
     }
   }
   const double step_s = std::reduce(best_s.begin(), best_s.end()) / static_cast<double>(epochs);
-  fmt::print("{:<10} {:<14} {:>18.1f} {:>10.1f} {:>10.2f}\n", learn::path_name(path),
-             loss == Loss::mse ? "mse" : "cross-entropy", step_s * 1e6, floor.step_s(shape) * 1e6,
-             step_s / floor.step_s(shape));
+  print_row(path, loss == Loss::mse ? "mse" : "cross-entropy", step_s, floor);
 }
 
 /// Reports of a flight in which the quality jumps between heights, as it does in the simulator.
@@ -124,17 +140,15 @@ void dqn_flight() {
   double flight_s = 0.0;
   for (const double step_s : best_s) flight_s += step_s;
   // Steps 20 to 99 train: the history is complete after 4 steps, the first minibatch 16 steps later.
-  const double step_s = flight_s / (80.0 * epochs);
-  const double floor_s = floor.step_s(learn::dqn_shape(38));
-  fmt::print("{:<10} {:<14} {:>18.1f} {:>10.1f} {:>10.2f}\n", learn::path_name(path), "DQN's flight", step_s * 1e6,
-             floor_s * 1e6, step_s / floor_s);
+  print_row(path, "DQN's flight", flight_s / (80.0 * epochs), floor);
   fmt::print("\nA flight of {} steps with the DQN: {:.2f} s of CPU time\n", flight_steps, flight_s);
 }
 
 }  // namespace
 
 int main() {
-  fmt::print("{:<10} {:<14} {:>18} {:>10} {:>10}\n", "path", "loss", "us/gradient step", "floor", "x floor");
+  fmt::print("{:<10} {:<14} {:>18} {:>10} {:>10} {:>21}\n", "path", "loss", "us/gradient step", "floor", "x floor",
+             "x its products alone");
   for (const Path path : learn::available_paths())
     for (const Loss loss : {Loss::mse, Loss::cross_entropy}) random_minibatches(path, loss);
   dqn_flight();

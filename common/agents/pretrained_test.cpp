@@ -12,6 +12,7 @@
 #include "common/base/error.hpp"
 #include "common/flight/flight.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft::agents;
 using aloft::flight::SyntheticMap;
@@ -87,7 +88,7 @@ TEST_CASE("pretrained takes a model file and refuses a damaged one by name") {
 }
 
 TEST_CASE("the built-in model is the file whose SHA-256 stands beside it") {
-  std::ifstream stream(ALOFT_SOURCE_DIR "/data/models/pretrained.pb.sha256");
+  std::ifstream stream(aloft::test::source_dir() / "data/models/pretrained.pb.sha256");
   std::string expected;
   stream >> expected;
   CHECK(aloft::sha256_hex(builtin_model()) == expected);

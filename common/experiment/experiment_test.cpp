@@ -9,6 +9,7 @@
 #include "common/experiment/identity.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft;
 using namespace aloft::experiment;
@@ -17,7 +18,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-const std::filesystem::path source_dir = ALOFT_SOURCE_DIR;
+const std::filesystem::path source_dir = aloft::test::source_dir();
 
 Experiment parsed(const std::string& world, const std::string& more = "", const Overrides& overrides = {}) {
   return parse(R"({"name": "test", "trials": 2, "agents": ["min-height", "constant-120"], )" + more + world + "}",

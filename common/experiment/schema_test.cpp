@@ -7,13 +7,14 @@
 
 #include "common/experiment/experiment.hpp"
 #include "common/experiment/text_file.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft::experiment;
 using Json = nlohmann::json;
 
 namespace {
 
-const std::filesystem::path repository = ALOFT_SOURCE_DIR;
+const std::filesystem::path repository = aloft::test::source_dir();
 
 Json& agent_rules(Json& schema) {
   return schema["properties"]["agents"]["items"]["anyOf"][1]["allOf"];

@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/text_file.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft;
 using namespace aloft::experiment;
@@ -76,7 +77,7 @@ TEST_CASE("a model file counts by its content, wherever it lies; a report does n
   const auto with_model = [&](const std::filesystem::path& file) {
     return over("{}", "", R"({"type": "pretrained", "model": ")" + file.string() + "\"}");
   };
-  const auto shipped = std::filesystem::path(ALOFT_SOURCE_DIR) / "data/models/pretrained.pb";
+  const auto shipped = aloft::test::source_dir() / "data/models/pretrained.pb";
   std::filesystem::copy_file(shipped, folder.path / "copy.pb");
   const Experiment one = with_model(shipped);
   const Experiment other = with_model(folder.path / "copy.pb");

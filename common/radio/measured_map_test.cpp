@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "common/world/measured_flight.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft;
 
@@ -27,7 +28,7 @@ TEST_CASE("a measured map reads step j at row j, and the start at the first") {
 }
 
 TEST_CASE("the Grand Canal Quay flight has its known means") {
-  const std::filesystem::path file = std::filesystem::path(ALOFT_SOURCE_DIR) / "../shared/data/gcq.csv";
+  const std::filesystem::path file = aloft::test::source_dir() / "../shared/data/gcq.csv";
   if (!std::filesystem::exists(file)) {
     std::cerr << "SKIPPED: the Grand Canal Quay flight is not tested, there is no " << file << "\n";
     return;

@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
+#include "tests/paths.hpp"
+
 namespace aloft::test {
 
 SpreadRun::SpreadRun(int trials) {
@@ -34,7 +36,7 @@ std::string SpreadRun::digest() const {
 std::unique_ptr<Command> SpreadRun::start(const std::string& command, std::vector<std::string> more,
                                           std::vector<std::string> prefix) const {
   std::vector<std::string> arguments = std::move(prefix);
-  arguments.emplace_back(arguments.empty() ? "aloft" : std::string(ALOFT_BIN_DIR) + "/aloft");
+  arguments.emplace_back(arguments.empty() ? "aloft" : (bin_dir() / "aloft").string());
   arguments.push_back(command);
   if (command != "worker") arguments.push_back(experiment());
   arguments.insert(arguments.end(), {command == "worker" ? "--join" : "--run", name_, "--domain", test_domain()});

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tests/deploy/scene.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft::test;
 using namespace std::chrono_literals;
@@ -91,13 +92,13 @@ TEST_CASE("systemd accepts the units") {
   }
   const ScratchDir scratch;
   std::vector<std::string> command{"/usr/bin/systemd-analyze", "verify", "--man=no"};
-  for (const auto& unit : std::filesystem::directory_iterator(std::string(ALOFT_SOURCE_DIR) + "/deploy/systemd")) {
+  for (const auto& unit : std::filesystem::directory_iterator(source_dir() / "deploy/systemd")) {
     if (unit.path().extension() != ".service") continue;
     std::string text = read_text(unit.path());
     for (std::size_t at = 0; (at = text.find("/usr/bin/aloft", at)) != std::string::npos; ++at)
-      text.replace(at, std::string("/usr/bin").size(), ALOFT_BIN_DIR);
+      text.replace(at, std::string("/usr/bin").size(), bin_dir().string());
     std::string name = unit.path().filename().string();
-    if (const std::size_t at = name.find("@."); at != std::string::npos) name.insert(at + 1, "1");
+    if (const std::size_t at = name.find("@."); at != std::string::npos) name.insert(at + 1, 1, '1');
     write_text(scratch / name, text);
     command.push_back((scratch / name).string());
     CHECK_THAT(text, Contains("Type=notify") && Contains("WatchdogSec=") && Contains("MemoryMax="));

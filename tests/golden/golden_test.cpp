@@ -13,13 +13,14 @@
 #include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft;
 using Json = nlohmann::json;
 
 namespace {
 
-const std::filesystem::path folder = std::filesystem::path(ALOFT_SOURCE_DIR) / "tests/golden";
+const std::filesystem::path folder = aloft::test::source_dir() / "tests/golden";
 
 /// Every agent that flies in this process, the DQN with the options that the published code had, and a relay in which a
 /// shadow takes over.

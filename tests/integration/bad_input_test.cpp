@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/integration/command.hpp"
+#include "tests/paths.hpp"
 
 using aloft::test::Finished;
 using aloft::test::run_command;
@@ -79,7 +80,7 @@ TEST_CASE("a model file that is missing, damaged or cut off is refused with its 
   CHECK_THAT(refused(text).err, Contains(model));
   write_text(model, "these are no weights");
   CHECK_THAT(refused(text).err, Contains(model) && Contains("not a model file"));
-  const std::string whole = aloft::test::read_text(ALOFT_SOURCE_DIR "/data/models/pretrained.pb");
+  const std::string whole = aloft::test::read_text(aloft::test::source_dir() / "data/models/pretrained.pb");
   write_text(model, whole.substr(0, whole.size() / 2));
   CHECK_THAT(refused(text).err, Contains(model) && Contains("truncated"));
 }

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/paths.hpp"
+
 namespace aloft::test {
 namespace {
 
@@ -21,9 +23,9 @@ namespace {
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT, 0600), STDERR_FILENO);
-  if (chdir(ALOFT_SOURCE_DIR) != 0) _exit(126);
+  if (chdir(source_dir().c_str()) != 0) _exit(126);
   std::vector<std::string> copies = arguments;
-  if (!copies[0].starts_with('/')) copies[0] = std::string(ALOFT_BIN_DIR) + "/" + copies[0];
+  if (!copies[0].starts_with('/')) copies[0] = (bin_dir() / copies[0]).string();
   std::vector<char*> argv;
   argv.reserve(copies.size() + 1);
   for (std::string& argument : copies) argv.push_back(argument.data());

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "tests/integration/command.hpp"
+#include "tests/paths.hpp"
 #include "tools/importer/test_workspace.hpp"
 
 using aloft::test::Finished;
@@ -91,7 +92,7 @@ TEST_CASE("what cannot be imported is refused with what to do, and nothing is wr
 }
 
 TEST_CASE("the authors' Grand Canal Quay workspace gives the measurement grid byte for byte, from the command line") {
-  const std::filesystem::path data = std::filesystem::path(ALOFT_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path data = aloft::test::source_dir() / "../shared/data";
   if (!std::filesystem::exists(data / "Real_canal_tudo1.Rdata") || !std::filesystem::exists(data / "gcq.csv")) {
     std::cerr << "*** SKIPPED: no " << (data / "Real_canal_tudo1.Rdata")
               << "; the import of the real flight is not checked\n";

@@ -18,6 +18,7 @@
 #include "common/flight/flight.hpp"
 #include "common/store/result_store.hpp"
 #include "tests/integration/command.hpp"
+#include "tests/paths.hpp"
 
 namespace aloft {
 namespace {
@@ -229,7 +230,8 @@ TEST_CASE("a killed agent or channel costs time, but no byte") {
 
 TEST_CASE("a foreign program on another DDS implementation plays min-height through our IDL alone") {
   // Our processes use the loopback interface only; Cyclone DDS must be told to do so too.
-  setenv("CYCLONEDDS_URI", "file://" ALOFT_SOURCE_DIR "/deploy/dds/cyclonedds-loopback.xml", 1);
+  setenv("CYCLONEDDS_URI",
+         ("file://" + (aloft::test::source_dir() / "deploy/dds/cyclonedds-loopback.xml").string()).c_str(), 1);
   Scene scene(R"({"name": "foreign-test", "seed": 5, "trials": 3,
                   "world": {"kind": "generated", "bs_density_per_km2": 5, "steps": 20},
                   "agents": ["min-height", {"type": "external", "name": "visitor"}]})");

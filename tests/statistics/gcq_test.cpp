@@ -6,12 +6,13 @@
 #include "common/flight/flight.hpp"
 #include "common/radio/measured_map.hpp"
 #include "common/world/measured_flight.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft;
 
 namespace {
 
-const std::filesystem::path gcq_csv = ALOFT_SOURCE_DIR "/../shared/data/gcq.csv";
+const std::filesystem::path gcq_csv = aloft::test::source_dir() / "../shared/data/gcq.csv";
 
 /// The file is not ours to ship.
 bool gcq_is_missing() {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "common/base/error.hpp"
+#include "tests/paths.hpp"
 #include "tools/importer/test_workspace.hpp"
 
 using aloft::InputError;
@@ -127,7 +128,7 @@ TEST_CASE("a recorded value above the step's known maximum is kept and counted")
 }
 
 TEST_CASE("the authors' Grand Canal Quay workspace gives the measurement grid byte for byte") {
-  const std::filesystem::path data = std::filesystem::path(ALOFT_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path data = aloft::test::source_dir() / "../shared/data";
   if (!std::filesystem::exists(data / "Real_canal_tudo1.Rdata") || !std::filesystem::exists(data / "gcq.csv")) {
     std::cerr << "SKIPPED: rebuilding the Grand Canal Quay grid: there is no " << data.lexically_normal().string()
               << " with Real_canal_tudo1.Rdata and gcq.csv\n";

@@ -12,6 +12,7 @@
 #include "common/base/nearest.hpp"
 #include "common/experiment/conditions.hpp"
 #include "common/experiment/file_keys.hpp"
+#include "common/experiment/file_paths.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/json_text.hpp"
 #include "common/experiment/relay_rules.hpp"
@@ -127,7 +128,7 @@ void check_agent(agents::AgentSpec& spec, const FileAccess& files) {
   if (!key.empty() && !spec.parameters.text(key).empty()) {
     if (!files.always_read && !spec.parameters.text(key + "_sha256").empty()) return;
     Json given = spec.parameters.to_json();
-    const std::filesystem::path file = locate(spec.parameters.text(key), files.folder);
+    const std::filesystem::path file = locate(spec.parameters.text(key));
     given[key] = file.string();
     if (spec.parameters.text(key + "_sha256").empty()) given[key + "_sha256"] = sha256_hex(read_text_file(file));
     spec.parameters = Parameters(type.parameters, given, fmt::format("agent '{}'", spec.name));
@@ -215,9 +216,8 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   return experiment;
 }
 
-Experiment parse_with(std::string_view json, std::string_view where, const Overrides& overrides,
+Experiment parse_with(OrderedJson document, std::string_view where, const Overrides& overrides,
                       const FileAccess& files) {
-  OrderedJson document = parse_json(json, where);
   try {
     return resolve(std::move(document), overrides, files);
   } catch (const InputError& error) {
@@ -244,11 +244,13 @@ const agents::AgentSpec& Experiment::agent(std::string_view agent_name) const {
 }
 
 Experiment load(const std::filesystem::path& file, const Overrides& overrides) {
-  return parse_with(read_text_file(file), file.string(), overrides, {file.parent_path(), true});
+  OrderedJson document = parse_json(read_text_file(file), file.string());
+  anchor_paths(document, std::filesystem::absolute(file).parent_path());
+  return parse_with(std::move(document), file.string(), overrides, {.always_read = true});
 }
 
 Experiment parse(std::string_view json, std::string_view where, const Overrides& overrides) {
-  return parse_with(json, where, overrides, {{}, false});
+  return parse_with(parse_json(json, where), where, overrides, {.always_read = false});
 }
 
 std::uint32_t trial_lineages(const Experiment& experiment) {

@@ -60,8 +60,8 @@ struct Overrides {
 };
 
 /// Reads, validates and resolves an experiment file. Throws InputError: file, line and column of a syntax error; JSON
-/// path, value, allowed range and nearest valid key of a wrong entry. Relative paths in it are relative to the current
-/// directory, or else to the file.
+/// path, value, allowed range and nearest valid key of a wrong entry. Relative paths in it count from its folder, those
+/// in `overrides` from the working directory.
 [[nodiscard]] Experiment load(const std::filesystem::path& file, const Overrides& overrides = {});
 
 /// The same from a JSON text (a canonical form that came over the wire or out of a result folder).

@@ -132,12 +132,57 @@ TEST_CASE("a measured flight that changed under a resolved experiment is refused
   CHECK_THROWS_WITH(load(flight.folder / "resolved.json"), Contains("worlds[0].file") && Contains("SHA-256"));
 }
 
-TEST_CASE("a path is relative to the current folder, or else to the experiment's") {
+/// The working directory of this process, while the object lives.
+class WorkingDirectory {
+ public:
+  explicit WorkingDirectory(const std::filesystem::path& folder) { std::filesystem::current_path(folder); }
+  ~WorkingDirectory() { std::filesystem::current_path(before_); }
+  WorkingDirectory(const WorkingDirectory&) = delete;
+  WorkingDirectory& operator=(const WorkingDirectory&) = delete;
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+};
+
+TEST_CASE("paths in an experiment file count from its folder, those of overrides from the working directory") {
   const Flight flight;
-  write_text_file(
-      flight.folder / "here.json",
-      R"({"name": "x", "trials": 1, "world": {"kind": "measured", "file": "flight.csv"}, "agents": ["min-height"]})");
-  CHECK(load(flight.folder / "here.json").conditions[0].world.text("file") == flight.csv.string());
+  const std::filesystem::path model = source_dir / "data/models/pretrained.pb";
+  const std::filesystem::path inside = flight.folder / "experiments";
+  const std::filesystem::path elsewhere = flight.folder / "elsewhere";
+  for (const auto& folder : {inside, elsewhere}) std::filesystem::create_directories(folder);
+  for (const auto& folder : {inside, flight.folder / "models"}) {
+    std::filesystem::create_directories(folder);
+    std::filesystem::copy_file(model, folder / "model.pb");
+  }
+  std::filesystem::copy_file(flight.csv, elsewhere / "mine.csv");
+  write_text_file(inside / "all.json", R"({"name": "x", "trials": 1,
+    "worlds": [{"kind": "measured", "file": ["../flight.csv"]}, {}],
+    "agents": [{"type": "pretrained", "model": ["../models/model.pb", "model.pb"]},
+               {"type": "relay", "name": "crew", "crew": [{"agent": "min-height"},
+                 {"agent": {"type": "pretrained", "model": "model.pb"}, "from_step": 2}]}]})");
+  const auto file_of = [](const Experiment& experiment) { return experiment.conditions[0].world.text("file"); };
+
+  std::set<std::string> ids;
+  for (const auto& folder : {inside, elsewhere, std::filesystem::path("/")}) {
+    const WorkingDirectory here(folder);
+    const Experiment experiment = load(std::filesystem::relative(inside / "all.json"));
+    ids.insert(experiment.id);
+    CHECK(file_of(experiment) == flight.csv.string());
+    CHECK(experiment.agents[0].parameters.text("model") == flight.folder / "models/model.pb");
+    CHECK(experiment.agents[1].parameters.text("model") == inside / "model.pb");
+    CHECK(experiment.agents[2].crew[1].agent.parameters.text("model") == inside / "model.pb");
+  }
+  CHECK(ids.size() == 1);
+
+  const WorkingDirectory here(elsewhere);
+  CHECK(file_of(load("../experiments/all.json", {.set = {"worlds.0.file=mine.csv"}})) == elsewhere / "mine.csv");
+  CHECK_THROWS_WITH(load("../experiments/all.json", {.set = {"worlds.0.file=flight.csv"}}),
+                    Contains("worlds[0].file") && Contains((elsewhere / "flight.csv").string()) &&
+                        Contains("count from that file's folder"));
+  // What stands in the file is never looked for anywhere else.
+  write_text_file(inside / "wrong.json", R"({"name": "x", "trials": 1, "agents": ["min-height"],
+    "world": {"kind": "measured", "file": "mine.csv"}})");
+  CHECK_THROWS_WITH(load("../experiments/wrong.json"), Contains((inside / "mine.csv").string()));
 }
 
 TEST_CASE("seeds use all 64 bits") {
@@ -174,15 +219,20 @@ TEST_CASE("ids ignore what cannot change a result, and nothing else") {
   CHECK(id_of(before) == parsed(R"("world": {})").id);
 }
 
-TEST_CASE("the first difference of two experiments is named") {
+TEST_CASE("what makes two experiments different is told in words") {
   const Experiment a = parsed(R"("world": {"bs_density_per_km2": [1, 2]})");
-  CHECK(describe_difference(a.canonical, a.canonical).empty());
-  CHECK(describe_difference(a.canonical, parsed(R"("world": {"bs_density_per_km2": [1, 3]})").canonical) ==
-        "worlds[1].bs_density_per_km2: 2 against 3");
-  CHECK(describe_difference(a.canonical,
-                            parsed(R"("world": {"bs_density_per_km2": [1, 2]})", R"("seed": 9, )").canonical) ==
-        "seed: 1 against 9");
-  CHECK(describe_difference(a.canonical, parsed(R"("world": {})").canonical) == "worlds: 2 entries against 1");
+  const auto told = [&](const Experiment& b) { return describe_differences(a.canonical, b.canonical); };
+  CHECK(told(a).empty());
+  CHECK(told(parsed(R"("world": {"bs_density_per_km2": [1, 3]})")) ==
+        "worlds[1].bs_density_per_km2 is 2 there and 3 here");
+  CHECK(told(parsed(R"("world": {"bs_density_per_km2": [1, 2]})", R"("seed": 9, )")) == "seed is 1 there and 9 here");
+  CHECK(told(parsed(R"("world": {})")) == "there are 2 conditions there and 1 here");
+  CHECK(told(parsed(R"("world": {"bs_density_per_km2": [1, 2]})", "", {.agents = {"planner", "dqn"}, .trials = 7})) ==
+        "the agents are min-height, constant-120 there and planner, dqn here; trials is 2 there and 7 here");
+  CHECK(told(parsed(R"("world": {"bs_density_per_km2": [1, 2]})", R"("energy_weight": 0.5, )")) ==
+        "energy_weight is 0.5 here and not set there");
+  CHECK_THAT(told(parsed(R"("world": {"preset": "geometric", "bs_density_per_km2": [1, 2]})", R"("seed": 4, )")),
+             Catch::Matchers::StartsWith("seed is 1 there and 4 here; worlds[0].") && Contains("; and "));
 }
 
 TEST_CASE("overrides: --set by path, --trials, --seed, --agents") {

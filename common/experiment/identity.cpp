@@ -1,10 +1,13 @@
 #include "common/experiment/identity.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "common/agents/registry.hpp"
 #include "common/base/digest.hpp"
@@ -37,25 +40,77 @@ Json identity(const Json& canonical) {
   return rest;
 }
 
-std::string difference(const Json& a, const Json& b, const std::string& path) {
-  if (a == b) return {};
-  if (a.is_object() && b.is_object()) {
+constexpr std::size_t differences_told = 3;
+constexpr std::size_t names_told = 12;
+constexpr std::size_t value_length = 80;
+
+std::string shortened(const Json& value) {
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > value_length) text = text.substr(0, value_length) + "...";
+  return text;
+}
+
+std::vector<std::string> names_of(const Json& agents) {
+  std::vector<std::string> names;
+  for (const Json& agent : agents) names.push_back(agent.at("name").get<std::string>());
+  return names;
+}
+
+std::string listed(std::vector<std::string> names) {
+  const std::size_t more = names.size() - std::min(names.size(), names_told);
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+/// Every place at which two experiments differ, in words.
+class Differences {
+ public:
+  Differences(const Json& there, const Json& here) {
+    if (const auto agents = std::pair(names_of(there.at("agents")), names_of(here.at("agents")));
+        agents.first != agents.second)
+      told_.push_back(fmt::format("the agents are {} there and {} here", listed(agents.first), listed(agents.second)));
+    Json a = there;
+    Json b = here;
+    if (!told_.empty())
+      for (Json* one : {&a, &b}) one->erase("agents");
+    compare(a, b, "");
+  }
+
+  [[nodiscard]] std::string sentence() const {
+    const std::size_t shown = std::min(told_.size(), differences_told);
+    return fmt::format("{}{}", fmt::join(told_.begin(), told_.begin() + static_cast<std::ptrdiff_t>(shown), "; "),
+                       told_.size() > shown ? fmt::format("; and {} more", told_.size() - shown) : "");
+  }
+
+ private:
+  void compare(const Json& a, const Json& b, const std::string& path) {
+    if (a == b) return;
+    if (a.is_object() && b.is_object()) return compare_objects(a, b, path);
+    if (a.is_array() && b.is_array() && a.size() == b.size()) {
+      for (std::size_t i = 0; i < a.size(); ++i) compare(a[i], b[i], fmt::format("{}[{}]", path, i));
+    } else if (path == "worlds") {
+      told_.push_back(fmt::format("there are {} conditions there and {} here", a.size(), b.size()));
+    } else {
+      told_.push_back(fmt::format("{} is {} there and {} here", path, shortened(a), shortened(b)));
+    }
+  }
+
+  void compare_objects(const Json& a, const Json& b, const std::string& path) {
     Json keys = a;
     keys.update(b);
     for (const auto& item : keys.items()) {
       const std::string inside = path.empty() ? item.key() : fmt::format("{}.{}", path, item.key());
-      const bool both = a.contains(item.key()) && b.contains(item.key());
-      if (!both) return fmt::format("{}: only in {}", inside, a.contains(item.key()) ? "the first" : "the second");
-      if (std::string found = difference(a.at(item.key()), b.at(item.key()), inside); !found.empty()) return found;
+      const bool in_a = a.contains(item.key());
+      if (in_a && b.contains(item.key()))
+        compare(a.at(item.key()), b.at(item.key()), inside);
+      else
+        told_.push_back(fmt::format("{} is {} {} and not set {}", inside, shortened(item.value()),
+                                    in_a ? "there" : "here", in_a ? "here" : "there"));
     }
   }
-  if (a.is_array() && b.is_array()) {
-    if (a.size() != b.size()) return fmt::format("{}: {} entries against {}", path, a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-      if (std::string found = difference(a[i], b[i], fmt::format("{}[{}]", path, i)); !found.empty()) return found;
-  }
-  return fmt::format("{}: {} against {}", path, a.dump(), b.dump());
-}
+
+  std::vector<std::string> told_;
+};
 
 }  // namespace
 
@@ -63,8 +118,8 @@ std::string id_of(const Json& canonical) {
   return sha256_hex(identity(canonical).dump()).substr(0, 16);
 }
 
-std::string describe_difference(const Json& a, const Json& b) {
-  return difference(identity(a), identity(b), "");
+std::string describe_differences(const Json& there, const Json& here) {
+  return Differences(identity(there), identity(here)).sentence();
 }
 
 }  // namespace aloft::experiment

@@ -8,8 +8,8 @@ namespace aloft::experiment {
 /// 16 hexadecimal digits: hash of a canonical experiment without its description, file paths and names of worlds.
 [[nodiscard]] std::string id_of(const nlohmann::json& canonical);
 
-/// The first JSON path at which two canonical experiments differ in what makes their ids, and both values, e.g.
-/// "worlds[1].los_ray: \"published\" against \"geometric\""; empty if they have the same id.
-[[nodiscard]] std::string describe_difference(const nlohmann::json& a, const nlohmann::json& b);
+/// Where two canonical experiments differ in what makes their ids, in words: the first three places with both values,
+/// e.g. "trials is 20 there and 100 here"; empty if they have the same id.
+[[nodiscard]] std::string describe_differences(const nlohmann::json& there, const nlohmann::json& here);
 
 }  // namespace aloft::experiment

@@ -2,26 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/experiment/file_paths.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/world/measured_flight.hpp"
 
 namespace aloft::experiment {
 
-std::filesystem::path locate(const std::filesystem::path& given, const std::filesystem::path& folder) {
-  std::error_code ignored;
-  const bool beside_experiment = given.is_relative() && !std::filesystem::exists(given, ignored) &&
-                                 std::filesystem::exists(folder / given, ignored);
-  return std::filesystem::absolute(beside_experiment ? folder / given : given).lexically_normal();
-}
-
 std::span<const ParameterSpec> measured_world_parameters() {
   static const std::vector<ParameterSpec> table{
-      text_parameter("file", "", "Path of the CSV file with the measured flight."),
+      text_parameter(
+          "file", "",
+          "Path of the CSV file with the measured flight; a relative one counts from the experiment file's folder."),
       text_parameter("file_sha256", "", "SHA-256 that the file must have; filled in when an experiment is resolved."),
   };
   return table;
@@ -32,10 +29,11 @@ Parameters resolve_measured_world(const nlohmann::json& given, std::string_view 
   const std::string& expected = checked.text("file_sha256");
   if (checked.text("file").empty())
     throw InputError(fmt::format("{}.file: missing; give the path of a CSV file with the measured flight", where));
-  const std::filesystem::path file = locate(checked.text("file"), files.folder);
-  nlohmann::json resolved{{"file", file.string()}, {"file_sha256", expected}};
+  nlohmann::json resolved{{"file", std::filesystem::absolute(checked.text("file")).lexically_normal().string()},
+                          {"file_sha256", expected}};
   if (files.always_read || expected.empty()) {
     try {
+      const std::filesystem::path file = locate(checked.text("file"));
       const std::string csv = read_text_file(file);
       const std::string sha256 = sha256_hex(csv);
       if (!expected.empty() && sha256 != expected)

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string_view>
@@ -9,14 +8,10 @@
 
 namespace aloft::experiment {
 
-/// How files named in an experiment are found and used.
+/// How files named in an experiment are used.
 struct FileAccess {
-  std::filesystem::path folder;  ///< relative paths that do not exist are looked for here
-  bool always_read = true;       ///< false: a file whose SHA-256 is already known is not touched
+  bool always_read = true;  ///< false: a file whose SHA-256 is already known is not touched
 };
-
-/// The absolute path of a file that an experiment names.
-[[nodiscard]] std::filesystem::path locate(const std::filesystem::path& given, const std::filesystem::path& folder);
 
 /// Of a world of kind "measured": the file and the SHA-256 of what it held when the experiment was resolved.
 [[nodiscard]] std::span<const ParameterSpec> measured_world_parameters();

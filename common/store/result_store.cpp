@@ -249,9 +249,9 @@ ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, cons
       state->store_experiment();
     } else if (const auto there = nlohmann::json::parse(stored); experiment::id_of(there) != experiment.id) {
       throw InputError(
-          fmt::format("'{}' holds the results of another experiment ({} in there against here); use "
-                      "another folder for --out",
-                      dir.string(), experiment::describe_difference(there, experiment.canonical)));
+          fmt::format("'{}' holds the results of another experiment: {}. Name another folder with --out, or move this "
+                      "one away",
+                      dir.string(), experiment::describe_differences(there, experiment.canonical)));
     }
     state->prepare();
   });

@@ -9,6 +9,7 @@
 
 #include "common/base/cores.hpp"
 #include "tests/integration/command.hpp"
+#include "tests/paths.hpp"
 
 using aloft::usable_cores;
 using aloft::test::Command;
@@ -29,7 +30,9 @@ const std::string experiment_text = R"({
   "trials": 3,
   "worlds": [
     {"kind": "generated", "bs_density_per_km2": [1, 5], "building_density_per_km2": 200, "steps": 30},
-    {"kind": "measured", "file": "data/samples/measured_sample.csv"}
+    {"kind": "measured", "file": ")" +
+                                    aloft::test::source_dir().string() +
+                                    R"(/data/samples/measured_sample.csv"}
   ],
   "agents": ["min-height", "constant-120", "random-walk", "one-step-ahead", "optimal-height", "planner", "local-bandit",
              {"type": "dqn", "epochs": 20}]

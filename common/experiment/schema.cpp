@@ -48,6 +48,7 @@ Json any_world() {
   Json measured = world_schema("measured", measured_world_parameters());
   measured["required"] = Json::array({"kind", "file"});
   return {{"type", "object"},
+          {"description", "One world; every list in it is swept. A file has either \"world\" or \"worlds\"."},
           {"if", {{"properties", {{"kind", {{"const", "measured"}}}}}, {"required", Json::array({"kind"})}}},
           {"then", std::move(measured)},
           {"else", world_schema("generated", radio::generated_world_parameters())}};
@@ -106,7 +107,11 @@ Json experiment_schema() {
                           {"minItems", 1},
                           {"description", "Several worlds, each with its own sweep; instead of \"world\"."},
                           {"items", {{"$ref", "#/properties/world"}}}};
-  properties["agents"] = {{"type", "array"}, {"minItems", 1}, {"maxItems", 64}, {"items", any_agent()}};
+  properties["agents"] = {{"type", "array"},
+                          {"minItems", 1},
+                          {"maxItems", 64},
+                          {"description", "Who flies; every agent flies in the same worlds."},
+                          {"items", any_agent()}};
   return {{"$schema", "http://json-schema.org/draft-07/schema#"},
           {"title", "Aloft experiment"},
           {"type", "object"},

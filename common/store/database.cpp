@@ -20,44 +20,45 @@ constexpr int schema_version = 2;
 constexpr int busy_timeout_ms = 5000;
 constexpr std::uintmax_t no_room_bytes = 1U << 20U;
 
-// `id` is (condition * trials + trial) * agents + agent: canonical order, and no second index that could disagree.
-// `seal` is a hash of the rest of its row: SQLite itself does not notice a changed number.
-constexpr const char* schema = R"(
-CREATE TABLE experiment (
-  one INTEGER PRIMARY KEY CHECK (one = 1),
-  id TEXT NOT NULL,
-  canonical TEXT NOT NULL,
-  canonical_sha256 TEXT NOT NULL,
-  build TEXT NOT NULL
+// The comments are kept in the database, and docs/reference/database.md is made from them.
+// One order of flights, `id`, and no second index that could disagree. `seal`: SQLite itself does not notice a changed
+// number.
+constexpr std::string_view schema = R"(
+CREATE TABLE experiment (  -- What was flown: one row.
+  one INTEGER PRIMARY KEY CHECK (one = 1),  -- Always 1.
+  id TEXT NOT NULL,  -- Experiment id: a hash of all that can change a result.
+  canonical TEXT NOT NULL,  -- The resolved experiment as JSON, every default filled in.
+  canonical_sha256 TEXT NOT NULL,  -- Its SHA-256.
+  build TEXT NOT NULL  -- Version, commit and compiler of the program that began the folder.
 ) STRICT;
-CREATE TABLE flight (
-  id INTEGER PRIMARY KEY,
-  condition INTEGER NOT NULL,
-  trial INTEGER NOT NULL,
-  agent TEXT NOT NULL,
-  qos_mean REAL NOT NULL,
-  height_mean_m REAL NOT NULL,
-  height_changes INTEGER NOT NULL,
-  energy_j REAL NOT NULL,
-  handovers INTEGER,
-  digest TEXT NOT NULL,
-  seal INTEGER NOT NULL
+CREATE TABLE flight (  -- One row per stored flight.
+  id INTEGER PRIMARY KEY,  -- (condition * trials + trial) * agents + agent, the agent by its place in the experiment: canonical order.
+  condition INTEGER NOT NULL,  -- From 0, in the order of the sweep.
+  trial INTEGER NOT NULL,  -- From 0.
+  agent TEXT NOT NULL,  -- Its name in the experiment.
+  qos_mean REAL NOT NULL,  -- Mean quality over the steps: bit/s/Hz in generated worlds, kbit/s in measured ones.
+  height_mean_m REAL NOT NULL,  -- Mean height over the steps.
+  height_changes INTEGER NOT NULL,  -- Steps in which the height changed.
+  energy_j REAL NOT NULL,  -- Energy of the flight; docs/experiments.md tells how it is counted.
+  handovers INTEGER,  -- Changes of the serving cell; NULL: the cells are unknown.
+  digest TEXT NOT NULL,  -- SHA-256 of the trace.
+  seal INTEGER NOT NULL  -- Hash of the rest of the row: a changed number is noticed.
 ) STRICT;
-CREATE TABLE trace (
-  flight INTEGER PRIMARY KEY,
-  bytes BLOB NOT NULL
+CREATE TABLE trace (  -- The steps of every flight.
+  flight INTEGER PRIMARY KEY,  -- flight.id
+  bytes BLOB NOT NULL  -- Protobuf, message Trace of idl/trace.proto.
 ) STRICT;
 )";
 
-// What agents that remember earlier flights ended the latest flight of each lineage with. Not part of any result.
-constexpr const char* memory_schema = R"(
-CREATE TABLE IF NOT EXISTS memory (
-  condition INTEGER NOT NULL,
-  agent TEXT NOT NULL,
-  lineage INTEGER NOT NULL,
-  trial INTEGER NOT NULL,
-  digest TEXT NOT NULL,
-  bytes BLOB NOT NULL,
+// Not part of any result.
+constexpr std::string_view memory_schema = R"(
+CREATE TABLE IF NOT EXISTS memory (  -- What agents that remember earlier flights ended the latest flight of each lineage with.
+  condition INTEGER NOT NULL,  -- From 0, in the order of the sweep.
+  agent TEXT NOT NULL,  -- Its name in the experiment.
+  lineage INTEGER NOT NULL,  -- trial modulo the agent's parameter lineages.
+  trial INTEGER NOT NULL,  -- After which the memory was taken.
+  digest TEXT NOT NULL,  -- SHA-256 of condition, trial, agent and bytes.
+  bytes BLOB NOT NULL,  -- State of the agent, Protobuf.
   PRIMARY KEY (condition, agent, lineage)
 ) STRICT;
 )";
@@ -74,8 +75,7 @@ bool disk_is_full(const std::filesystem::path& file) {
 
 void create_schema(SQLite::Database& database) {
   SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-  database.exec(schema);
-  database.exec(memory_schema);
+  database.exec(database_schema());
   database.exec(fmt::format("PRAGMA application_id = {}", application_id));
   database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
   transaction.commit();
@@ -116,7 +116,7 @@ std::unique_ptr<SQLite::Database> open_for_writing(const std::filesystem::path& 
   check_identity(*database, file);
   check_structure(*database, file);
   set_up_writing(*database);
-  database->exec(memory_schema);  // older databases have none
+  database->exec(std::string(memory_schema));  // older databases have none
   return database;
 }
 
@@ -136,6 +136,14 @@ std::unique_ptr<SQLite::Database> open_for_reading(const std::filesystem::path& 
 }
 
 }  // namespace
+
+std::string database_schema() {
+  return std::string(schema) + std::string(memory_schema);
+}
+
+int database_version() noexcept {
+  return schema_version;
+}
 
 std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access) {
   return with_errors_of(file, [&] {

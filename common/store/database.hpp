@@ -14,6 +14,11 @@ enum class Access : std::uint8_t { read, write };
 /// cannot be opened, IntegrityError with a hint if it is damaged.
 [[nodiscard]] std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access);
 
+/// The SQL that makes the tables of a new database; comments tell what each table and column holds.
+[[nodiscard]] std::string database_schema();
+/// Of that structure.
+[[nodiscard]] int database_version() noexcept;
+
 /// Turns what SQLite reports into our errors: IntegrityError, StoreFull, InputError, or std::runtime_error.
 [[noreturn]] void rethrow(const SQLite::Exception& error, const std::filesystem::path& file);
 

@@ -19,16 +19,29 @@ endfunction()
 
 # aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s] [USE_THREADS])
 # soak tests are built, but run only when their label is asked for by name. Sanitized builds leave out statistics tests
-# (the same code as the unit tests, a hundred times longer), and under ThreadSanitizer also unit tests of one thread.
+# (the same code as the unit tests, a hundred times longer), and under ThreadSanitizer also unit tests of one thread. Its label
+# "threads" is on all tests of the bus and the services that run in one process, and on all others with USE_THREADS.
+# The target tests_TIER (tests_threads) builds the tests of a tier and what they start.
+foreach(label unit integration statistics soak threads)
+  add_custom_target(tests_${label})
+endforeach()
+
 function(aloft_add_test name)
   cmake_parse_arguments(ARG "USE_THREADS" "TIER;TIMEOUT" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE aloft_options aloft_test_main ${ARG_DEPS})
+  set(labels ${ARG_TIER})
+  if(ARG_USE_THREADS OR "${CMAKE_CURRENT_SOURCE_DIR}/" MATCHES "^${CMAKE_SOURCE_DIR}/(common/bus|services)/")
+    list(APPEND labels threads)
+  endif()
   if((ALOFT_SANITIZE AND ARG_TIER STREQUAL "statistics")
-     OR (ALOFT_SANITIZE STREQUAL "thread" AND ARG_TIER STREQUAL "unit" AND NOT ARG_USE_THREADS))
+     OR (ALOFT_SANITIZE STREQUAL "thread" AND labels STREQUAL "unit"))
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
+  foreach(label ${labels})
+    add_dependencies(tests_${label} ${name})
+  endforeach()
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY "${CMAKE_SOURCE_DIR}")
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
@@ -36,7 +49,10 @@ function(aloft_add_test name)
   if(ALOFT_SANITIZE)
     math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
   endif()
-  set_tests_properties(${name} PROPERTIES LABELS "${ARG_TIER}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
+  if(NOT ARG_TIER STREQUAL "unit")
+    set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)  # each takes all cores
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
     "ASAN_OPTIONS=new_delete_type_mismatch=0;TSAN_OPTIONS=ignore_noninstrumented_modules=1")
 endfunction()
 

@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # Installs every Debian package that Aloft needs and builds it into build/ (programs in build/bin/).
 # Safe to repeat: with nothing to do it takes a second.
+#   tools/setup.sh [release | asan | tsan [TARGET ...]]    the targets to build, instead of all
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 preset=${1:-release}
+[ $# -eq 0 ] || shift
 case "$preset" in
   release | asan | tsan) ;;
   *)
@@ -33,5 +35,7 @@ if [ ${#missing[@]} -gt 0 ]; then
 fi
 
 export CCACHE_NOHASHDIR=1 CCACHE_BASEDIR=$PWD CCACHE_SLOPPINESS=pch_defines,time_macros
-[ -f "build${preset:+$([ "$preset" = release ] || echo "-$preset")}/build.ninja" ] || cmake --preset "$preset"
-cmake --build --preset "$preset"
+folder=build
+[ "$preset" = release ] || folder=build-$preset
+[ -f "$folder/build.ninja" ] || cmake --preset "$preset"
+cmake --build "$folder" ${1:+--target} "$@"

@@ -2,8 +2,10 @@
 # Installs, builds and runs the tests.
 #   tools/test.sh                  format check, unit, integration and statistics tests
 #   tools/test.sh unit             one tier only: unit, integration, statistics or soak
-#   tools/test.sh --preset asan    the tests under AddressSanitizer and UBSan (or tsan: ThreadSanitizer)
+#   tools/test.sh threads          what ThreadSanitizer looks at: tests of the bus and the services that run in one process
+#   tools/test.sh --preset asan    the tests under AddressSanitizer and UBSan (or tsan: ThreadSanitizer); with a tier: only that
 #   tools/test.sh --lint           clang-format and clang-tidy over all sources
+#   tools/test.sh --all            all of it but soak: lint, both sanitizers, all tests; hours
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,15 +15,23 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --preset) preset=${2:?tools/test.sh: --preset needs release, asan or tsan}; shift 2 ;;
     --lint) exec tools/lint.sh ;;
-    unit | integration | statistics | soak) tier=$1; shift ;;
-    *) sed -n '2,7p' "$0" >&2; exit 2 ;;
+    --all)
+      tools/setup.sh
+      tools/lint.sh
+      tools/test.sh --preset asan
+      tools/test.sh --preset tsan
+      exec tools/test.sh
+      ;;
+    unit | integration | statistics | soak | threads) tier=$1; shift ;;
+    *) sed -n '2,8p' "$0" >&2; exit 2 ;;
   esac
 done
 
-tools/setup.sh "$preset"
+# A tier builds what it runs, and no more.
+tools/setup.sh "$preset" ${tier:+"tests_$tier"}
 [ "$preset" != release ] || tools/lint.sh --format-only
+folder=build; [ "$preset" = release ] || folder="build-$preset"
 if [ -n "$tier" ]; then
-  folder=build; [ "$preset" = release ] || folder="build-$preset"
-  exec ctest --test-dir "$folder" --output-on-failure -L "^$tier\$"
+  exec ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" --label-regex "^$tier\$"
 fi
-exec ctest --preset "$preset"
+exec ctest --preset "$preset" --no-tests=error --parallel "$(nproc)"

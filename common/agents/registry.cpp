@@ -158,6 +158,12 @@ Json AgentSpec::to_json() const {
   return entry;
 }
 
+Privilege AgentSpec::privilege() const {
+  Privilege highest = agent_type(type).privilege;
+  for (const CrewMember& member : crew) highest = std::max(highest, member.agent.privilege());
+  return highest;
+}
+
 std::uint32_t AgentSpec::lineages() const {
   const AgentType& facts = agent_type(type);
   return facts.lineages ? facts.lineages(parameters) : 0;

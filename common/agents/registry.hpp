@@ -9,15 +9,13 @@
 #include <vector>
 
 #include "common/agents/agent.hpp"
+#include "common/agents/privilege.hpp"
 #include "common/base/parameters.hpp"
 
 namespace aloft::agents {
 
 /// The largest Agent::save_state that can be carried from flight to flight, by databases and on the bus.
 inline constexpr std::size_t max_memory_bytes = 16U << 20U;
-
-/// How far an agent sees beyond what a real UAV reports.
-enum class Privilege : std::uint8_t { none, next_step, whole_route };
 
 /// Facts about one type of agent.
 struct AgentType {
@@ -62,6 +60,8 @@ struct AgentSpec {
   [[nodiscard]] std::unique_ptr<Agent> make() const;
   /// As an entry of an experiment file that gives back the same agent.
   [[nodiscard]] nlohmann::json to_json() const;
+  /// Of a relay: the highest of its crew.
+  [[nodiscard]] Privilege privilege() const;
   /// 0: every flight starts afresh. k: the agent that flies trial t starts with the memory (Agent::save_state) with
   /// which it ended trial t - k of the same condition: k independent chains of flights.
   [[nodiscard]] std::uint32_t lineages() const;

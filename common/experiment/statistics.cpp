@@ -38,6 +38,10 @@ Interval normal_ci95(std::span<const double> sample) {
   return {centre - half_width, centre + half_width};
 }
 
+bool all_equal(std::span<const double> sample) {
+  return std::all_of(sample.begin(), sample.end(), [&](double x) { return x == sample.front(); });
+}
+
 /// Means of `resamples` resamples: [sample][resample]. Every sample sees the same draws, which makes the draws, the
 /// expensive part, free for all but the first.
 std::vector<std::vector<double>> resampled_means(std::span<const std::span<const double>> samples, std::uint64_t seed) {
@@ -92,16 +96,17 @@ std::vector<Interval> bootstrap_ci95(std::span<const std::span<const double>> sa
   if (samples.empty()) return {};
   for (const auto& sample : samples)
     if (sample.size() != samples.front().size()) throw std::logic_error("samples of different sizes");
-  if (samples.front().empty()) return std::vector<Interval>(samples.size(), {nan, nan});
+  std::vector<Interval> intervals(samples.size(), {nan, nan});
+  if (std::all_of(samples.begin(), samples.end(), all_equal)) return intervals;
 
-  std::vector<Interval> intervals;
-  if (samples.front().size() > largest_resampled) {
-    for (const auto& sample : samples) intervals.push_back(normal_ci95(sample));
-    return intervals;
-  }
-  for (std::vector<double>& means : resampled_means(samples, seed)) {
-    std::sort(means.begin(), means.end());
-    intervals.push_back({quantile_of_sorted(means, 0.025), quantile_of_sorted(means, 0.975)});
+  const bool normal = samples.front().size() > largest_resampled;
+  std::vector<std::vector<double>> means;
+  if (!normal) means = resampled_means(samples, seed);
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    if (all_equal(samples[s])) continue;
+    if (!normal) std::sort(means[s].begin(), means[s].end());
+    intervals[s] = normal ? normal_ci95(samples[s])
+                          : Interval{quantile_of_sorted(means[s], 0.025), quantile_of_sorted(means[s], 0.975)};
   }
   return intervals;
 }

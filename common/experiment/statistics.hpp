@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,6 +10,9 @@ namespace aloft::experiment {
 struct Interval {
   double low = 0.0;
   double high = 0.0;
+
+  /// False (NaN): a sample of one value, or of equal ones, has none. It says nothing of how far the next may lie.
+  [[nodiscard]] bool known() const noexcept { return std::isfinite(low) && std::isfinite(high); }
 };
 
 /// Arithmetic mean, summed in order. NaN for an empty sample, as are all below.
@@ -19,7 +23,8 @@ struct Interval {
 [[nodiscard]] double interquartile_mean(std::span<const double> sample);
 
 /// 95 % percentile bootstrap interval of the mean: 10,000 resamples, seeded, so equal samples give equal intervals.
-/// Samples of more than 10,000 get the normal interval that the bootstrap converges to.
+/// Samples of more than 10,000 get the normal interval that the bootstrap converges to. Not known() where there is
+/// nothing to resample: one trial, or equal values, as of a deterministic agent over a measured flight.
 [[nodiscard]] Interval bootstrap_ci95(std::span<const double> sample, std::uint64_t seed);
 /// The same for several samples of one size at little more than the cost of one: they share the draws.
 [[nodiscard]] std::vector<Interval> bootstrap_ci95(std::span<const std::span<const double>> samples,

@@ -13,7 +13,7 @@ TEST_CASE("the mean of nothing is not a number") {
   CHECK(std::isnan(mean(Sample{})));
   CHECK(std::isnan(quantile(Sample{}, 0.5)));
   CHECK(std::isnan(interquartile_mean(Sample{})));
-  CHECK(std::isnan(bootstrap_ci95(Sample{}, 1).low));
+  CHECK_FALSE(bootstrap_ci95(Sample{}, 1).known());
   CHECK(std::isnan(probability_of_improvement(Sample{}, Sample{})));
 }
 
@@ -70,6 +70,17 @@ TEST_CASE("the normal interval of large samples continues the resampled one") {
   CHECK(normal.high - normal.low == Approx(width).epsilon(0.01));
   CHECK(resampled.high - resampled.low == Approx(width).epsilon(0.05));
   CHECK(normal.low + normal.high == Approx(1.0).margin(1e-3));
+}
+
+TEST_CASE("there is no interval where nothing varies, alone and beside others") {
+  CHECK_FALSE(bootstrap_ci95(Sample{7}, 1).known());
+  CHECK_FALSE(bootstrap_ci95(Sample(20'000, 7.0), 1).known());
+  const Sample same{3, 3, 3};
+  const Sample other{1, 5, 2};
+  const std::vector<std::span<const double>> both{same, other};
+  const auto together = bootstrap_ci95(both, 11);
+  CHECK_FALSE(together[0].known());
+  CHECK(together[1].low == bootstrap_ci95(other, 11).low);
 }
 
 TEST_CASE("equal samples and seeds give equal intervals, alone and together") {

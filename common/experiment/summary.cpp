@@ -92,12 +92,14 @@ OrderedJson number(double value) {
 }
 
 OrderedJson pair_of(const Interval& interval) {
-  if (!std::isfinite(interval.low)) return nullptr;
+  if (!interval.known()) return nullptr;
   return OrderedJson::array({interval.low, interval.high});
 }
 
-OrderedJson agent_summary(const Sample& sample, const Intervals& intervals, std::size_t qos, std::size_t gain) {
-  return {{"trials", sample.trials.size()},
+OrderedJson agent_summary(const agents::AgentSpec& spec, const Sample& sample, const Intervals& intervals,
+                          std::size_t qos, std::size_t gain) {
+  return {{"privilege", agents::privilege_tier(spec.privilege()).name},
+          {"trials", sample.trials.size()},
           {"qos_mean", number(mean(sample.qos))},
           {"qos_ci95", pair_of(intervals.interval(qos))},
           {"qos_median", number(quantile(sample.qos, 0.5))},
@@ -124,8 +126,8 @@ OrderedJson agent_summaries(const Experiment& experiment, SamplesByAgent& sample
   intervals.compute(experiment.seed);
   OrderedJson summaries = OrderedJson::object();
   for (std::size_t i = 0; i < experiment.agents.size(); ++i) {
-    const std::string& name = experiment.agents[i].name;
-    summaries[name] = agent_summary(samples[name], intervals, wanted[i].first, wanted[i].second);
+    const agents::AgentSpec& spec = experiment.agents[i];
+    summaries[spec.name] = agent_summary(spec, samples[spec.name], intervals, wanted[i].first, wanted[i].second);
   }
   return summaries;
 }

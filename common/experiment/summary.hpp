@@ -24,10 +24,11 @@ struct FlightScore {
 [[nodiscard]] std::string_view qos_unit(WorldKind kind) noexcept;
 
 /// The content of summary.json, for finished and unfinished experiments: conditions and agents in the experiment's
-/// order, each agent with its number of trials; means, 95 % bootstrap intervals, quartiles, and the gain over the
-/// min-height agent on the same trials. Numbers that do not exist are null (no trials; no min-height agent). `qos_unit`
-/// stands at every condition, and at the top if all share it, else null there. `scores` are sorted by trial within each
-/// (condition, agent).
+/// order, each agent with its privilege and its number of trials; means, 95 % bootstrap intervals, quartiles, and the
+/// gain over the min-height agent on the same trials. Numbers that do not exist are null (no trials; no min-height
+/// agent), and so are intervals where nothing varies (one trial; the same value in all). `qos_unit` stands at every
+/// condition, and at the top if all share it, else null there. `scores` are sorted by trial within each (condition,
+/// agent).
 [[nodiscard]] nlohmann::ordered_json summarise(const Experiment& experiment, std::span<const FlightScore> scores,
                                                std::string_view build);
 

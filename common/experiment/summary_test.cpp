@@ -63,11 +63,11 @@ TEST_CASE("a summary gives every statistic of every agent, by hand") {
   CHECK(dqn["gain_over_min_height_ci95"] == OrderedJson::array({1.0, 3.0}));
 }
 
-TEST_CASE("min-height gains nothing over itself") {
+TEST_CASE("min-height gains nothing over itself, in every trial: without an interval") {
   const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
   const OrderedJson& agent = summary["conditions"][0]["agents"]["min-height"];
   CHECK(agent["gain_over_min_height_mean"] == 0.0);
-  CHECK(agent["gain_over_min_height_ci95"] == OrderedJson::array({0.0, 0.0}));
+  CHECK(agent["gain_over_min_height_ci95"].is_null());
 }
 
 TEST_CASE("what was not flown is null, never zero") {
@@ -83,6 +83,56 @@ TEST_CASE("what was not flown is null, never zero") {
   CHECK(measured["agents"]["dqn"]["gain_over_min_height_ci95"].is_null());
 }
 
+TEST_CASE("with one trial there is no interval: null, an empty cell, a dash") {
+  Experiment experiment = two_conditions();
+  experiment.conditions.pop_back();
+  const std::vector<FlightScore> scores{{{0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4}, {{0, 0, "min-height"}, 4.0, 40.0, 0}};
+  const OrderedJson summary = summarise(experiment, scores, "");
+  for (const OrderedJson& agent : summary["conditions"][0]["agents"]) {
+    CHECK(agent["qos_ci95"].is_null());
+    CHECK(agent["gain_over_min_height_ci95"].is_null());
+  }
+  CHECK_THAT(summary_csv(summary), Contains(",dqn,none,bit/s/Hz,1,5.0,,,5.0,") && Contains(",1.0,,\n"));
+  const std::string table = summary_table(summary);
+  CHECK_THAT(table, Contains("+1.00\n") && Contains("No interval: there is one flight"));
+  CHECK_THAT(table.substr(table.find('\n')), !Contains("5.00, 5.00") && !Contains("[1.00") && !Contains("nan"));
+}
+
+TEST_CASE("the same value in every trial has no interval") {
+  Experiment experiment = two_conditions();
+  experiment.conditions.erase(experiment.conditions.begin());
+  experiment.conditions[0].index = 0;
+  std::vector<FlightScore> scores;
+  for (std::uint32_t trial = 0; trial < 4; ++trial) {
+    scores.push_back({{0, trial, "dqn"}, 30e3 + trial, 60.0, 10, 15e3});
+    scores.push_back({{0, trial, "min-height"}, 20e3, 40.0, 0});
+  }
+  const OrderedJson summary = summarise(experiment, scores, "");
+  CHECK(summary["conditions"][0]["agents"]["min-height"]["qos_ci95"].is_null());
+  CHECK(summary["conditions"][0]["agents"]["dqn"]["qos_ci95"].is_array());
+  CHECK(summary["conditions"][0]["agents"]["dqn"]["gain_over_min_height_ci95"].is_array());
+}
+
+TEST_CASE("every agent carries its tier of privilege") {
+  Experiment experiment = two_conditions();
+  experiment.agents.push_back({"ahead", "one-step-ahead", {}, {}});
+  experiment.agents.push_back({"planner", "planner", {}, {}});
+  agents::AgentSpec relay{"both", "relay", {}, {}};  // which experiment files refuse
+  relay.crew.push_back({{"a", "min-height", {}, {}}, 1, true});
+  relay.crew.push_back({{"b", "planner", {}, {}}, 51, true});
+  experiment.agents.push_back(relay);
+  const OrderedJson summary = summarise(experiment, {}, "");
+  const OrderedJson& agents = summary["conditions"][0]["agents"];
+  CHECK(agents["dqn"]["privilege"] == "none");
+  CHECK(agents["ahead"]["privilege"] == "next-step");
+  CHECK(agents["planner"]["privilege"] == "whole-route");
+  CHECK(agents["both"]["privilege"] == "whole-route");
+  CHECK_THAT(summary_csv(summary), Contains(",planner,whole-route,bit/s/Hz,0,"));
+  CHECK_THAT(summary_table(summary),
+             Contains("  ahead *  ") && Contains("  planner **  ") && Contains("  both **  ") && Contains("  dqn  ") &&
+                 Contains("* sees the next step at every height, ** sees the whole route at every height."));
+}
+
 TEST_CASE("one unit for all conditions stands at the top") {
   Experiment experiment = two_conditions();
   experiment.conditions.pop_back();
@@ -91,10 +141,10 @@ TEST_CASE("one unit for all conditions stands at the top") {
 
 TEST_CASE("the CSV has one line per condition and agent") {
   const std::string csv = summary_csv(summarise(two_conditions(), some_scores(), ""));
-  CHECK(csv.starts_with("condition,agent,qos_unit,trials,qos_mean,qos_ci95_low,qos_ci95_high,qos_median,"));
+  CHECK(csv.starts_with("condition,agent,privilege,qos_unit,trials,qos_mean,qos_ci95_low,qos_ci95_high,qos_median,"));
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 5);
-  CHECK_THAT(csv, Contains("\nbs_density_per_km2=1,min-height,bit/s/Hz,3,"));
-  CHECK_THAT(csv, Contains("\n\"canal, \"\"real\"\"\",dqn,kbit/s,1,41234.0,41234.0,41234.0,"));
+  CHECK_THAT(csv, Contains("\nbs_density_per_km2=1,min-height,none,bit/s/Hz,3,"));
+  CHECK_THAT(csv, Contains("\n\"canal, \"\"real\"\"\",dqn,none,kbit/s,1,41234.0,,,41234.0,"));
   CHECK_THAT(csv, Contains("kbit/s,0,,,,,,,,,,,,,\n"));
 }
 

@@ -41,18 +41,23 @@ std::string one_decimal(const OrderedJson& value) {
 std::string gain(const OrderedJson& agent, double unit) {
   const OrderedJson& mean = agent["gain_over_min_height_mean"];
   if (mean.is_null()) return "-";
-  return fmt::format("{:+.2f} {}", mean.get<double>() / unit, interval(agent["gain_over_min_height_ci95"], unit));
+  const OrderedJson& ci95 = agent["gain_over_min_height_ci95"];
+  return fmt::format("{:+.2f}{}", mean.get<double>() / unit, ci95.is_null() ? "" : " " + interval(ci95, unit));
+}
+
+/// Of one flight there are none.
+std::string quartiles(const OrderedJson& agent, double unit) {
+  if (agent["trials"] < 2) return "-";
+  return interval(OrderedJson::array({agent["qos_q25"], agent["qos_q75"]}), unit);
 }
 
 Row table_row(const std::string& name, const OrderedJson& agent, double unit) {
-  return {name,
+  return {agents::marked(name, agents::privilege_tier(agent["privilege"].get<std::string>())),
           agent["trials"].dump(),
           digits(agent["qos_mean"], unit),
           interval(agent["qos_ci95"], unit),
           digits(agent["qos_median"], unit),
-          interval(OrderedJson(agent["qos_q25"].is_null() ? OrderedJson()
-                                                          : OrderedJson::array({agent["qos_q25"], agent["qos_q75"]})),
-                   unit),
+          quartiles(agent, unit),
           one_decimal(agent["height_mean_m"]),
           one_decimal(agent["height_changes_mean"]),
           one_decimal(agent["handovers_mean"]),
@@ -74,6 +79,14 @@ std::string aligned(const std::vector<Row>& rows) {
   return text;
 }
 
+template <typename Predicate>
+bool has_agent(const OrderedJson& summary, Predicate predicate) {
+  for (const OrderedJson& condition : summary.at("conditions"))
+    for (const OrderedJson& agent : condition.at("agents"))
+      if (predicate(agent)) return true;
+  return false;
+}
+
 }  // namespace
 
 std::string summary_csv(const OrderedJson& summary) {
@@ -89,13 +102,14 @@ std::string summary_csv(const OrderedJson& summary) {
                                       "energy_mean_j",
                                       "gain_over_min_height_mean",
                                       "gain_over_min_height_ci95"};
-  std::string text = "condition,agent,qos_unit";
+  std::string text = "condition,agent,privilege,qos_unit";
   for (const std::string_view key : numbers)
     text += key.ends_with("ci95") ? fmt::format(",{0}_low,{0}_high", key) : fmt::format(",{}", key);
   text += '\n';
   for (const OrderedJson& condition : summary.at("conditions"))
     for (const auto& [name, agent] : condition.at("agents").items()) {
-      text += fmt::format("{},{},{}", csv_cell(condition.at("name")), name, csv_cell(condition.at("qos_unit")));
+      text += fmt::format("{},{},{},{}", csv_cell(condition.at("name")), name, csv_cell(agent.at("privilege")),
+                          csv_cell(condition.at("qos_unit")));
       for (const std::string_view key : numbers) {
         const OrderedJson& value = agent.at(std::string(key));
         if (!key.ends_with("ci95"))
@@ -111,6 +125,10 @@ std::string summary_csv(const OrderedJson& summary) {
 std::string summary_table(const OrderedJson& summary) {
   std::string text = fmt::format("{} (seed {}): mean over the flight, then over trials; [95 % interval]\n",
                                  summary.at("experiment").get<std::string>(), summary.at("seed").dump());
+  if (has_agent(summary, [](const OrderedJson& agent) { return agent["privilege"] != "none"; }))
+    text += fmt::format("Privileged: {}.\n", agents::marks_explained());
+  if (has_agent(summary, [](const OrderedJson& agent) { return agent["trials"] > 0 && agent["qos_ci95"].is_null(); }))
+    text += "No interval: there is one flight, or all flights gave the same.\n";
   for (const OrderedJson& condition : summary.at("conditions")) {
     const bool throughput = condition.at("qos_unit") == "kbit/s";
     const double unit = throughput ? 1000.0 : 1.0;

@@ -12,22 +12,10 @@ namespace {
 using agents::AgentType;
 using agents::Privilege;
 
-std::string_view privilege_name(Privilege privilege) {
-  switch (privilege) {
-    case Privilege::none:
-      return "none";
-    case Privilege::next_step:
-      return "next-step";
-    case Privilege::whole_route:
-      return "whole-route";
-  }
-  return "";
-}
-
 nlohmann::json as_json(const AgentType& type) {
   return {{"name", type.name},
           {"description", type.description},
-          {"privilege", privilege_name(type.privilege)},
+          {"privilege", agents::privilege_tier(type.privilege).name},
           {"unconstrained", type.unconstrained},
           {"learns", type.learns},
           {"name_parameter", type.name_parameter.empty() ? nlohmann::json() : nlohmann::json(type.name_parameter)},
@@ -58,9 +46,7 @@ void print_table(std::span<const ParameterSpec> table) {
 void print_text(const AgentType& type) {
   std::string marks = type.learns ? "  [learns]" : "";
   if (type.privilege != Privilege::none)
-    marks += fmt::format("  [privileged: sees the {}]", type.privilege == Privilege::next_step
-                                                            ? "next step at every height"
-                                                            : "whole route at every height");
+    marks += fmt::format("  [privileged: sees {}]", agents::privilege_tier(type.privilege).sees);
   if (type.unconstrained) marks += "  [unconstrained: may jump]";
   fmt::print("{}{}\n    {}\n", type.name, marks, type.description);
   if (!type.name_parameter.empty())

@@ -54,6 +54,7 @@ std::string describe(const Both& both, const compare::DifferentFlight& different
 Json row_json(const AgentComparison& row) {
   return {{"condition", row.condition},
           {"agent", row.agent},
+          {"privilege", agents::privilege_tier(row.privilege).name},
           {"qos_unit", experiment::qos_unit(row.kind)},
           {"paired", row.paired},
           {"flights_a", row.flights_a},
@@ -111,9 +112,12 @@ void print_heading(const Both& both) {
 void print_table(const Comparison& comparison) {
   std::size_t condition_width = 9;
   std::size_t agent_width = 5;
+  const auto agent = [](const AgentComparison& row) {
+    return agents::marked(row.agent, agents::privilege_tier(row.privilege));
+  };
   for (const AgentComparison& row : comparison.agents) {
     condition_width = std::max(condition_width, row.condition.size());
-    agent_width = std::max(agent_width, row.agent.size());
+    agent_width = std::max(agent_width, agent(row).size());
   }
   fmt::print("{:<{}}  {:<{}}  {:>11}  {:>9}  {:>10}  {:>10}  {:>10}  {:<22}  unit\n", "condition", condition_width,
              "agent", agent_width, "flights", "identical", "A", "B", "B - A", "95 % interval");
@@ -127,7 +131,7 @@ void print_table(const Comparison& comparison) {
     const std::string flights =
         row.paired ? std::to_string(row.flights_a) : fmt::format("{} / {}", row.flights_a, row.flights_b);
     fmt::print("{:<{}}  {:<{}}  {:>11}  {:>9}  {:>10.3f}  {:>10.3f}  {:>+10.3f}  {:<22}  {}\n", row.condition,
-               condition_width, row.agent, agent_width, flights, row.identical, row.qos_mean_a / unit,
+               condition_width, agent(row), agent_width, flights, row.identical, row.qos_mean_a / unit,
                row.qos_mean_b / unit, row.difference / unit, interval, measured ? "Mbit/s" : "bit/s/Hz");
   }
 }
@@ -136,6 +140,9 @@ void print_text(const Both& both) {
   const Comparison& comparison = both.comparison;
   print_heading(both);
   print_table(comparison);
+  if (std::any_of(comparison.agents.begin(), comparison.agents.end(),
+                  [](const AgentComparison& row) { return row.privilege != agents::Privilege::none; }))
+    fmt::print("Privileged: {}.\n", agents::marks_explained());
   fmt::print("\n{} of {} flights that both have are identical", comparison.identical, comparison.in_both);
   if (comparison.only_a + comparison.only_b > 0)
     fmt::print("; {} flights are in A alone, {} in B alone", comparison.only_a, comparison.only_b);

@@ -63,6 +63,7 @@ Row key_row(const experiment::Experiment& experiment, const experiment::FlightKe
   return {{"condition", condition.name},
           {"trial", key.trial},
           {"agent", key.agent},
+          {"privilege", agents::privilege_tier(experiment.agent(key.agent).privilege()).name},
           {"qos_unit", experiment::qos_unit(condition.kind)}};
 }
 

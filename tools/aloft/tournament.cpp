@@ -124,9 +124,12 @@ int tournament(const TournamentOptions& options) {
   const std::filesystem::path tables = options.out / "tournament.md";
   experiment::write_text_file(
       tables,
-      fmt::format("Gain over min-height on the same {} trials (seed {}); columns: base stations / buildings per "
-                  "km², bit/s/Hz; measured flights in Mbit/s. * privileged: sees the future.\n\n{}\n{}",
-                  all.front().trials, all.front().seed, overview, report::tournament_details(conditions)));
+      fmt::format(
+          "Gain over min-height on the same {} trials (seed {}); columns: base stations / buildings per "
+          "km², bit/s/Hz; measured flights in Mbit/s. ± is half a 95 % interval; there is none where all trials gave "
+          "the same, or with one trial. {}.\n\n{}\n{}",
+          all.front().trials, all.front().seed, agents::marks_explained(), overview,
+          report::tournament_details(conditions)));
   report::ReportOptions report;
   if (!options.picture.empty()) report.svg = options.out / "charts";
   const report::WrittenReport written = report::write_report(options.out, report);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -50,7 +51,14 @@ void compare_pairs(AgentComparison& row, const Flights& a, const Flights& b, std
   row.qos_mean_a = experiment::mean(qos_a);
   row.qos_mean_b = experiment::mean(qos_b);
   row.difference = experiment::mean(difference);
-  if (difference.size() >= 2) row.difference_ci95 = experiment::bootstrap_ci95(difference, seed);
+  const Interval ci = experiment::bootstrap_ci95(difference, seed);
+  if (ci.known()) row.difference_ci95 = ci;
+}
+
+/// A sample without an interval, but of more than one trial, always gives the same: its mean is exact.
+Interval interval_or_mean(const std::vector<double>& sample, double mean, std::uint64_t seed) {
+  const Interval ci = experiment::bootstrap_ci95(sample, seed);
+  return ci.known() ? ci : Interval{mean, mean};
 }
 
 void compare_means(AgentComparison& row, const Flights& a, const Flights& b, std::uint64_t seed) {
@@ -62,8 +70,9 @@ void compare_means(AgentComparison& row, const Flights& a, const Flights& b, std
   row.qos_mean_b = experiment::mean(qos_b);
   row.difference = row.qos_mean_b - row.qos_mean_a;
   if (qos_a.size() < 2 || qos_b.size() < 2) return;
-  const Interval ci_a = experiment::bootstrap_ci95(qos_a, seed);
-  const Interval ci_b = experiment::bootstrap_ci95(qos_b, seed);
+  const Interval ci_a = interval_or_mean(qos_a, row.qos_mean_a, seed);
+  const Interval ci_b = interval_or_mean(qos_b, row.qos_mean_b, seed);
+  if (ci_a.low == ci_a.high && ci_b.low == ci_b.high) return;
   row.difference_ci95 = {
       row.difference - std::hypot(row.qos_mean_b - ci_b.low, ci_a.high - row.qos_mean_a),
       row.difference + std::hypot(ci_b.high - row.qos_mean_b, row.qos_mean_a - ci_a.low),
@@ -113,6 +122,7 @@ Comparison compare(const Side& a, const Side& b) {
       AgentComparison row;
       row.condition = condition.name;
       row.agent = agent.name;
+      row.privilege = std::max(agent.privilege(), b.experiment.agent(agent.name).privilege());
       row.kind = condition.kind;
       row.paired = comparison.paired;
       count(comparison, row, flights_a->second, flights_b->second);

@@ -22,6 +22,7 @@ struct Side {
 struct AgentComparison {
   std::string condition;
   std::string agent;
+  agents::Privilege privilege = agents::Privilege::none;  ///< the higher of the two sides
   experiment::WorldKind kind = experiment::WorldKind::generated;
   bool paired = false;        ///< on the same trials; otherwise all flights of A against all of B
   std::size_t flights_a = 0;  ///< that entered the means
@@ -31,7 +32,7 @@ struct AgentComparison {
   double qos_mean_a = 0.0;
   double qos_mean_b = 0.0;
   double difference = 0.0;                              ///< mean of B - A
-  std::optional<experiment::Interval> difference_ci95;  ///< nothing for fewer than 2 flights on a side
+  std::optional<experiment::Interval> difference_ci95;  ///< nothing for one flight, or equal values
 };
 
 /// A flight that both sides have, with two digests.

@@ -13,6 +13,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
+/// Agents named q plan the whole route.
 Experiment experiment(const std::string& id, std::uint64_t seed, const std::vector<std::string>& conditions,
                       const std::vector<std::string>& agents) {
   Experiment made;
@@ -23,7 +24,7 @@ Experiment experiment(const std::string& id, std::uint64_t seed, const std::vect
     condition.index = static_cast<std::uint32_t>(made.conditions.size() - 1);
     condition.name = name;
   }
-  for (const std::string& name : agents) made.agents.push_back({name, name, {}, {}});
+  for (const std::string& name : agents) made.agents.push_back({name, name == "q" ? "planner" : "min-height", {}, {}});
   return made;
 }
 
@@ -42,6 +43,8 @@ TEST_CASE("flights are paired by trial; means, differences and identical flights
           {flight(0, 0, "p", 1, "a"), flight(0, 1, "p", 2, "b"), flight(0, 2, "p", 6, "c"), flight(0, 0, "q", 5, "d")}},
       Side{same, {flight(0, 0, "p", 1, "a"), flight(0, 1, "p", 5, "B"), flight(0, 0, "q", 5, "d")}});
   CHECK(comparison.same_experiment);
+  CHECK(comparison.agents[0].privilege == aloft::agents::Privilege::none);
+  CHECK(comparison.agents[1].privilege == aloft::agents::Privilege::whole_route);
   CHECK(comparison.paired);
   REQUIRE(comparison.agents.size() == 2);
   const auto& p = comparison.agents[0];
@@ -65,14 +68,13 @@ TEST_CASE("flights are paired by trial; means, differences and identical flights
   CHECK(comparison.first_different->a.trial == 1);
 }
 
-TEST_CASE("equal flights on both sides are identical, and the difference is 0 with the interval [0, 0]") {
+TEST_CASE("equal flights on both sides are identical, and a difference of 0 that never varies has no interval") {
   const Experiment same = experiment("x", 1, {"c"}, {"p"});
   const std::vector<FlightSummary> flights{flight(0, 0, "p", 1, "a"), flight(0, 1, "p", 2, "b")};
   const Comparison comparison = compare(Side{same, flights}, Side{same, flights});
   CHECK(comparison.all_identical());
   CHECK(comparison.agents[0].difference == 0.0);
-  CHECK(comparison.agents[0].difference_ci95->low == 0.0);
-  CHECK(comparison.agents[0].difference_ci95->high == 0.0);
+  CHECK_FALSE(comparison.agents[0].difference_ci95);
   CHECK_FALSE(comparison.first_different);
 }
 

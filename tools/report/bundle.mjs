@@ -20,7 +20,7 @@ function inline(code, name) {
   return code.replace(/^\/\/# sourceMappingURL=.*$/gm, '');
 }
 
-const charts = ['format.js', 'theme.js', 'charts_statistics.js', 'charts_flight.js', 'charts.js'];
+const charts = ['format.js', 'theme.js', 'privilege.js', 'charts_statistics.js', 'charts_flight.js', 'charts.js'];
 const parts = {
   STYLE: read(join(page, 'style.css')),
   VEGA: read(join(modules, 'vega/build/vega.min.js')),

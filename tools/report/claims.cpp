@@ -52,7 +52,8 @@ Comparison difference(std::string what, std::string unit, const AgentTrials& a, 
                       Interval claimed) {
   std::vector<double> differences;
   for (const auto& [i, k] : pairs(a, b)) differences.push_back((a.*values)[i] - (b.*values)[k]);
-  const Interval interval = experiment::bootstrap_ci95(differences, seed_of(what));
+  Interval interval = experiment::bootstrap_ci95(differences, seed_of(what));
+  if (!interval.known() && !differences.empty()) interval = {differences.front(), differences.front()};  // all the same
   return {std::move(what), std::move(unit), interval, claimed};
 }
 

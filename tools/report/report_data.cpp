@@ -93,7 +93,14 @@ json agent_list(const std::vector<ReportCondition>& conditions) {
     list.push_back({{"name", agent->name},
                     {"type", agent->type},
                     {"learns", agents::agent_type(agent->type).learns},
-                    {"privileged", agents::agent_type(agent->type).privilege != agents::Privilege::none}});
+                    {"privilege", agents::privilege_tier(agent->privilege).name}});
+  return list;
+}
+
+json tier_list() {
+  json list = json::array();
+  for (const agents::PrivilegeTier& tier : agents::privilege_tiers())
+    list.push_back({{"name", tier.name}, {"mark", tier.mark}, {"sees", tier.sees}});
   return list;
 }
 
@@ -201,6 +208,8 @@ nlohmann::json report_data(std::span<const store::ResultStore> runs, const Choic
             {"experiments", json::array()},
             {"missing", missing_lines(conditions, several)},
             {"agents", agent_list(conditions)},
+            {"privilege_tiers", tier_list()},
+            {"marks_explained", agents::marks_explained()},
             {"learner", learner.empty() ? json() : json(learner)},
             {"conditions", json::array()},
             {"published", {{"source", published().at("source")}, {"rows", published_rows(conditions, several)}}},

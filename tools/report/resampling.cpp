@@ -24,7 +24,7 @@ experiment::Interval unknown() {
 
 experiment::Interval resampled_ci95(std::size_t size, std::uint64_t seed,
                                     const std::function<double(std::span<const std::uint32_t>)>& statistic) {
-  if (size == 0) return unknown();
+  if (size < 2) return unknown();
   RandomStream random(seed, 0, "report.resampling");
   std::vector<std::uint32_t> indices(size);
   std::vector<double> values(resamples);
@@ -39,6 +39,7 @@ experiment::Interval resampled_ci95(std::span<const double> sample, std::uint64_
                                     const std::function<double(std::span<const double>)>& statistic) {
   std::vector<double> sorted(sample.begin(), sample.end());
   std::sort(sorted.begin(), sorted.end());
+  if (sorted.empty() || sorted.front() == sorted.back()) return unknown();
   std::vector<std::uint32_t> counts(sorted.size());
   std::vector<double> resampled(sorted.size());
   // Counting how often each value was drawn keeps a resample in order without sorting it.

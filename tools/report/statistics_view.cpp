@@ -15,6 +15,7 @@ using nlohmann::json;
 constexpr std::size_t profile_points = 81;
 
 json as_json(Interval interval) {
+  if (!interval.known()) return nullptr;
   return {rounded(interval.low), rounded(interval.high)};
 }
 
@@ -97,6 +98,7 @@ json performance_profile(const std::vector<double>& sample, const std::vector<do
 
 json agent_row(const ConditionTrials& condition, const AgentTrials& agent, const std::vector<double>& thresholds) {
   json row{{"name", agent.name},
+           {"privilege", agents::privilege_tier(agent.privilege).name},
            {"trials", agent.trials.size()},
            {"mean", rounded(experiment::mean(agent.qos))},
            {"ci95", as_json(experiment::bootstrap_ci95(agent.qos, condition.seed))},

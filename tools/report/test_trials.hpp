@@ -11,7 +11,9 @@ namespace aloft::report::testing {
 
 /// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes, 12.5 kJ, 3 handovers.
 inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
-  AgentTrials result{std::move(name), std::move(type), {}, std::move(qos), {}, {}};
+  AgentTrials result{std::move(name), std::move(type)};
+  result.privilege = agents::agent_type(result.type).privilege;
+  result.qos = std::move(qos);
   for (std::size_t i = 0; i < result.qos.size(); ++i) result.trials.push_back(static_cast<std::uint32_t>(i));
   result.height_m.assign(result.qos.size(), 40.0);
   result.height_changes.assign(result.qos.size(), 0.0);

@@ -13,10 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-bool privileged(std::string_view type) {
-  return agents::agent_type(type).privilege != agents::Privilege::none;
-}
-
 std::string heading(const ConditionTrials& condition) {
   if (condition.kind == experiment::WorldKind::measured) return condition.measured_file + ", Mbit/s";
   return fmt::format("{:g} / {:g}", condition.bs_density_per_km2, condition.building_density_per_km2);
@@ -58,9 +54,13 @@ std::string gain_cell(const json* row, bool best) {
   const auto gain = gain_of(row);
   if (!gain) return "-";
   const json& ci = row->at("gain").at("ci95");
-  const double half = (ci[1].get<double>() - ci[0].get<double>()) / 2.0;
-  const std::string text = fmt::format("{:+.2f} ± {:.2f}", *gain, half);
+  std::string text = fmt::format("{:+.2f}", *gain);
+  if (!ci.is_null()) text += fmt::format(" ± {:.2f}", (ci[1].get<double>() - ci[0].get<double>()) / 2.0);
   return best ? "**" + text + "**" : text;
+}
+
+std::string interval_cell(const json& ci, const char* format) {
+  return ci.is_null() ? "-" : fmt::format(fmt::runtime(format), ci[0].get<double>(), ci[1].get<double>());
 }
 
 std::string number_or_dash(const json& value, const char* format) {
@@ -93,21 +93,21 @@ std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> condi
   return agents;
 }
 
-/// Per column the name of the agent without privilege that gains most.
-std::vector<std::string> winners(const std::vector<Column>& columns, const std::vector<const AgentTrials*>& agents) {
-  std::vector<std::string> names;
-  for (const Column& column : columns) {
-    std::string best;
-    double most = 0.0;
-    for (const AgentTrials* agent : agents) {
-      const auto gain = privileged(agent->type) ? std::nullopt : gain_of(column.row(agent->name));
-      if (!gain || *gain <= most) continue;
-      most = *gain;
-      best = agent->name;
-    }
-    names.push_back(best);
+/// The agent without privilege that gains most; none if one of them has flown but once: one flight decides nothing.
+std::string winner(const Column& column, const std::vector<const AgentTrials*>& agents) {
+  std::string best;
+  double most = 0.0;
+  for (const AgentTrials* agent : agents) {
+    if (agent->privilege != agents::Privilege::none) continue;
+    const json* row = column.row(agent->name);
+    const auto gain = gain_of(row);
+    if (!gain) continue;
+    if (row->at("gain").at("pairs").get<std::size_t>() < 2) return "";
+    if (*gain <= most) continue;
+    most = *gain;
+    best = agent->name;
   }
-  return names;
+  return best;
 }
 
 }  // namespace
@@ -115,7 +115,8 @@ std::vector<std::string> winners(const std::vector<Column>& columns, const std::
 std::string tournament_overview(std::span<const ConditionTrials> conditions, const StepCosts& costs) {
   const std::vector<Column> columns = columns_of(conditions);
   const std::vector<const AgentTrials*> agents = agents_of(conditions);
-  const std::vector<std::string> best = winners(columns, agents);
+  std::vector<std::string> best;
+  for (const Column& column : columns) best.push_back(winner(column, agents));
   std::string head = "| agent |";
   std::string rule = "|---|";
   for (const Column& column : columns) {
@@ -124,7 +125,7 @@ std::string tournament_overview(std::span<const ConditionTrials> conditions, con
   }
   std::string text = head + " head-room closed | height changes | kJ | µs per step |\n" + rule + "---|---|---|---|\n";
   for (const AgentTrials* agent : agents) {
-    text += fmt::format("| {}{} |", agent->name, privileged(agent->type) ? " *" : "");
+    text += fmt::format("| {} |", agents::marked(agent->name, agents::privilege_tier(agent->privilege)));
     for (std::size_t i = 0; i < columns.size(); ++i)
       text += fmt::format(" {} |", gain_cell(columns[i].row(agent->name), best[i] == agent->name));
     const auto share = mean_over(columns, agent->name, "headroom_share");
@@ -151,14 +152,15 @@ std::string tournament_details(std::span<const ConditionTrials> conditions) {
         condition.qos_unit());
     for (const json& row : view.at("agents")) {
       const json& gain = row.at("gain");
-      text += fmt::format("| {} | {} | {:.2f} | [{:.2f}, {:.2f}] |", row.at("name").get<std::string>(),
-                          row.at("trials").get<int>(), row.at("mean").get<double>(), row.at("ci95")[0].get<double>(),
-                          row.at("ci95")[1].get<double>());
+      const auto& tier = agents::privilege_tier(row.at("privilege").get<std::string>());
+      text += fmt::format("| {} | {} | {:.2f} | {} |", agents::marked(row.at("name").get<std::string>(), tier),
+                          row.at("trials").get<int>(), row.at("mean").get<double>(),
+                          interval_cell(row.at("ci95"), "[{:.2f}, {:.2f}]"));
       if (gain.is_null())
         text += " - | - | - | - |";
       else
-        text += fmt::format(" {:+.2f} | [{:+.2f}, {:+.2f}] | {:.0f} % | {} |", gain.at("mean").get<double>(),
-                            gain.at("ci95")[0].get<double>(), gain.at("ci95")[1].get<double>(),
+        text += fmt::format(" {:+.2f} | {} | {:.0f} % | {} |", gain.at("mean").get<double>(),
+                            interval_cell(gain.at("ci95"), "[{:+.2f}, {:+.2f}]"),
                             100.0 * gain.at("probability_of_improvement").get<double>(),
                             row.at("headroom_share").is_null()
                                 ? "-"

@@ -12,9 +12,10 @@ namespace aloft::report {
 using StepCosts = std::map<std::string, double, std::less<>>;
 
 /// Markdown: one line per agent with its gain over min-height in every condition (half the width of the 95 % interval
-/// behind it), and means over the generated conditions: the share of the feasible head-room closed, and what a flight
-/// costs. Conditions over the same worlds share a column, whichever run they are of. The best gain of each condition
-/// among agents without privilege is bold.
+/// behind it; nothing where no two trials differ), and means over the generated conditions: the share of the feasible
+/// head-room closed, and what a flight costs. Conditions over the same worlds share a column, whichever run they are
+/// of. Privileged agents carry the mark of their tier. The best gain of each condition among agents without privilege
+/// is bold, if all of them flew at least two trials there.
 [[nodiscard]] std::string tournament_overview(std::span<const ConditionTrials> conditions, const StepCosts& costs);
 
 /// Markdown: a table per condition with everything that the overview leaves out.

@@ -65,7 +65,7 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
     trials.measured_file = std::filesystem::path(parameters.value("file", "")).stem().string();
   trials.label = label_of(condition, trials.measured_file);
   for (const agents::AgentSpec& spec : experiment.agents)
-    trials.agents.push_back({spec.name, spec.type, {}, {}, {}, {}});
+    trials.agents.push_back({spec.name, spec.type, spec.privilege()});
   std::stable_sort(trials.agents.begin(), trials.agents.end(),
                    [](const AgentTrials& a, const AgentTrials& b) { return shown_before(a.name, b.name); });
   return trials;
@@ -73,7 +73,7 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
 
 /// The entries of `from` at these indices.
 AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& indices) {
-  AgentTrials some{from.name, from.type, {}, {}, {}, {}};
+  AgentTrials some{from.name, from.type, from.privilege};
   for (const std::size_t i : indices) {
     some.trials.push_back(from.trials[i]);
     some.qos.push_back(from.qos[i]);

@@ -17,10 +17,11 @@ namespace aloft::report {
 struct AgentTrials {
   std::string name;
   std::string type;
-  std::vector<std::uint32_t> trials;
-  std::vector<double> qos;       ///< mean of the flight, in the condition's unit
-  std::vector<double> height_m;  ///< mean of the flight
-  std::vector<double> height_changes;
+  agents::Privilege privilege = agents::Privilege::none;
+  std::vector<std::uint32_t> trials{};
+  std::vector<double> qos{};       ///< mean of the flight, in the condition's unit
+  std::vector<double> height_m{};  ///< mean of the flight
+  std::vector<double> height_changes{};
   std::vector<double> energy_kj{};
   std::vector<double> handovers{};  ///< NaN: unknown
 };

@@ -2,6 +2,7 @@
 
 import {boxPlot, energyChart, gainChart, gainsOverview, hasGains, meanHeightChart, performanceProfile} from './charts_statistics.js';
 import {cityMap, epsilonCurve, heatMap, heightOverSteps, lossCurve, qValueCurves, qosOverSteps} from './charts_flight.js';
+import {marked} from './privilege.js';
 import {chartConfig} from './theme.js';
 import {slug} from './format.js';
 
@@ -20,7 +21,7 @@ export const flightCharts = [
   {id: 'height-over-steps', title: () => 'Height over steps', build: heightOverSteps, fits: () => true},
   {id: 'qos-over-steps', title: (condition) => `${condition.qos_name} over steps (${smooth})`, build: qosOverSteps, fits: () => true},
   {id: 'heat-map', title: (condition, context) => `${condition.qos_name} at every height, and the heights flown by ${flownBy(condition, context)}`, build: heatMap, fits: () => true},
-  {id: 'city', title: (condition, context) => `The city from above, and the base stations that served ${context.agent}`, build: cityMap, fits: (flight) => flight.city !== null},
+  {id: 'city', title: (condition, context) => `The city from above, and the base stations that served ${context.shown(context.agent)}`, build: cityMap, fits: (flight) => flight.city !== null},
   {id: 'epsilon', title: (condition, context) => `${context.learner}: exploration rate`, build: epsilonCurve, fits: learns},
   {id: 'loss', title: (condition, context) => `${context.learner}: training loss`, build: lossCurve, fits: trains},
   {id: 'q-values', title: (condition, context) => `${context.learner}: Q-values of the three actions`, build: qValueCurves, fits: learns},
@@ -28,7 +29,7 @@ export const flightCharts = [
 
 function flownBy(condition, context) {
   const shown = condition.flight.agents.map((agent) => agent.name).filter((name) => name === context.agent || ['one-step-ahead', 'planner'].includes(name));
-  return shown.join(', ');
+  return shown.map(context.shown).join(', ');
 }
 
 function learns(flight, context) {
@@ -45,7 +46,7 @@ export function defaultContext(data, flight) {
   const names = flight ? flight.agents.map((agent) => agent.name) : [];
   const learners = flight ? flight.agents.filter((agent) => agent.learning).map((agent) => agent.name) : [];
   const learner = learners.includes(data.learner) ? data.learner : learners[0] ?? null;
-  return {learner, agent: learner ?? (names.includes(data.learner) ? data.learner : names[0])};
+  return {learner, agent: learner ?? (names.includes(data.learner) ? data.learner : names[0]), shown: (name) => marked(data, name)};
 }
 
 /** A complete Vega-Lite specification: size, theme, chart. */

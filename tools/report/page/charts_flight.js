@@ -1,6 +1,7 @@
 // Charts of one chosen flight: what every agent did on the same world.
 
 import {agentScales, cellColours, surfaces} from './theme.js';
+import {markedLabel} from './privilege.js';
 import {agentLineEncoding, pickInLegend, qosTitle} from './charts_statistics.js';
 
 const moving_mean_steps = 10;
@@ -93,7 +94,7 @@ export function heatMap(data, condition, context) {
         },
       },
       line(4.5, {detail: {field: 'agent'}, color: {value: '#000000'}, opacity: {value: 0.75}}),
-      line(2.2, {stroke: {field: 'agent', type: 'nominal', scale: scales.colour, legend: {orient: 'top', title: null, symbolType: 'stroke', symbolStrokeWidth: 3, symbolSize: 200}}}),
+      line(2.2, {stroke: {field: 'agent', type: 'nominal', scale: scales.colour, legend: {orient: 'top', title: null, labelExpr: markedLabel(data), symbolType: 'stroke', symbolStrokeWidth: 3, symbolSize: 200}}}),
     ],
     resolve: {scale: {color: 'independent', stroke: 'independent'}},
   };

@@ -2,22 +2,23 @@
 
 import {agentScales, surfaces} from './theme.js';
 import {signedInterval, interval} from './format.js';
+import {hollowFill, isPrivileged, marked, markedLabel} from './privilege.js';
 
 export function qosTitle(condition) {
   return `${condition.qos_name} (${condition.qos_unit})`;
 }
 
 /** Legend under the chart; a click shows one agent alone, shift-click adds another. */
-export function agentLegend(context) {
-  return {orient: 'bottom', title: null, columns: Math.max(2, Math.floor(context.width / 150)), symbolType: 'stroke', symbolStrokeWidth: 2.5, symbolSize: 260};
+function agentLegend(data, context) {
+  return {orient: 'bottom', title: null, labelExpr: markedLabel(data), columns: Math.max(2, Math.floor(context.width / 150)), symbolType: 'stroke', symbolStrokeWidth: 2.5, symbolSize: 260};
 }
 
 /** Colour and dash of an agent's line, dimmed unless picked in the legend. */
 export function agentLineEncoding(data, context, names) {
   const scales = agentScales(data, context.theme, names);
   return {
-    color: {field: 'agent', type: 'nominal', scale: scales.colour, legend: agentLegend(context)},
-    strokeDash: {field: 'agent', type: 'nominal', scale: scales.dash, legend: agentLegend(context)},
+    color: {field: 'agent', type: 'nominal', scale: scales.colour, legend: agentLegend(data, context)},
+    strokeDash: {field: 'agent', type: 'nominal', scale: scales.dash, legend: agentLegend(data, context)},
     opacity: {condition: {param: 'picked', value: 1}, value: 0.08},
   };
 }
@@ -26,7 +27,14 @@ export const pickInLegend = {name: 'picked', select: {type: 'point', fields: ['a
 
 function agentAxis(data, names) {
   const sort = data.agents.map((agent) => agent.name).filter((name) => names.includes(name));
-  return {field: 'agent', type: 'nominal', sort, scale: {domain: sort}, axis: {title: null, ticks: false, domain: false, grid: false}};
+  return {field: 'agent', type: 'nominal', sort, scale: {domain: sort}, axis: {title: null, ticks: false, domain: false, grid: false, labelExpr: markedLabel(data)}};
+}
+
+/** Of one trial, or where all gave the same, there is no interval: such a row has no bar. */
+const intervalKnown = [{filter: 'isValid(datum.low)'}];
+
+function ends(pair) {
+  return {low: pair?.[0] ?? null, high: pair?.[1] ?? null};
 }
 
 /** The largest value any box plot of this unit reaches, so that the conditions of one report can be compared by eye. */
@@ -47,8 +55,9 @@ export function boxPlot(data, condition, context) {
   const surface = surfaces[context.theme];
   const rows = agents.map((agent) => ({
     agent: agent.name, low: agent.whiskers[0], q25: agent.q25, median: agent.median, q75: agent.q75, high: agent.whiskers[1],
-    mean: agent.mean, ci: interval(agent.ci95), trials: agent.trials,
+    mean: agent.mean, ci: interval(agent.ci95), trials: agent.trials, privileged: isPrivileged(data, agent.name),
   }));
+  const several = [{filter: 'datum.trials > 1'}];  // one value has no quartiles
   const outliers = agents.flatMap((agent) => agent.outliers.map((qos) => ({agent: agent.name, qos})));
   const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
   const y = agentAxis(data, names);
@@ -64,9 +73,9 @@ export function boxPlot(data, condition, context) {
     height: 26 * rows.length,
     data: {values: rows},
     layer: [
-      {mark: {type: 'rule', strokeWidth: 1.4}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
-      {mark: {type: 'bar', height: 15, fillOpacity: 0.55, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, color: colour, stroke: colour, tooltip}},
-      {mark: {type: 'tick', thickness: 2.4, size: 15, color: surface.ink}, encoding: {y, x: x('median'), tooltip}},
+      {transform: several, mark: {type: 'rule', strokeWidth: 1.4}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+      {transform: several, mark: {type: 'bar', height: 15, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, fill: hollowFill(colour, surface), fillOpacity: {condition: {test: 'datum.privileged', value: 1}, value: 0.55}, stroke: colour, tooltip}},
+      {transform: several, mark: {type: 'tick', thickness: 2.4, size: 15, color: surface.ink}, encoding: {y, x: x('median'), tooltip}},
       {mark: {type: 'point', shape: 'diamond', size: 42, filled: true, color: surface.background, stroke: surface.ink, strokeWidth: 1.2, opacity: 1}, encoding: {y, x: x('mean'), tooltip}},
       {data: {values: outliers}, mark: {type: 'point', size: 14, filled: true, opacity: 0.6}, encoding: {y, x: x('qos'), color: colour}},
     ],
@@ -78,8 +87,8 @@ export function gainChart(data, condition, context) {
   const agents = condition.views[context.view].agents.filter((agent) => agent.gain && agent.name !== 'min-height');
   const names = agents.map((agent) => agent.name);
   const rows = agents.map((agent) => ({
-    agent: agent.name, gain: agent.gain.mean, low: agent.gain.ci95[0], high: agent.gain.ci95[1], text: signedInterval(agent.gain.ci95),
-    better: agent.gain.probability_of_improvement, pairs: agent.gain.pairs,
+    agent: agent.name, gain: agent.gain.mean, ...ends(agent.gain.ci95), text: signedInterval(agent.gain.ci95),
+    better: agent.gain.probability_of_improvement, pairs: agent.gain.pairs, privileged: isPrivileged(data, agent.name),
   }));
   const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
   const x = (field) => ({field, type: 'quantitative', axis: {title: `Gain over min-height (${condition.qos_unit})`, tickCount: 6}});
@@ -93,8 +102,8 @@ export function gainChart(data, condition, context) {
     data: {values: rows},
     layer: [
       {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surfaces[context.theme].soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
-      {mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
-      {mark: {type: 'point', filled: true, size: 70, opacity: 1}, encoding: {y, x: x('gain'), color: colour, tooltip}},
+      {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+      {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: hollowFill(colour, surfaces[context.theme]), tooltip}},
     ],
   };
 }
@@ -122,8 +131,8 @@ export function performanceProfile(data, condition, context) {
 export function meanHeightChart(data, experiment, context) {
   const conditions = data.conditions.filter((condition) => condition.experiment === experiment && condition.views[context.view]);
   const values = conditions.flatMap((condition) => condition.views[context.view].agents.map((agent) => ({
-    agent: agent.name, condition: condition.label, height: agent.height_mean_m, low: agent.height_ci95_m[0], high: agent.height_ci95_m[1],
-    text: interval(agent.height_ci95_m, 1),
+    agent: agent.name, condition: condition.label, height: agent.height_mean_m, ...ends(agent.height_ci95_m),
+    text: interval(agent.height_ci95_m, 1), privileged: isPrivileged(data, agent.name),
   })));
   const names = [...new Set(values.map((row) => row.agent))];
   const x = {
@@ -141,14 +150,10 @@ export function meanHeightChart(data, experiment, context) {
     data: {values},
     layer: [
       {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {x, y: y('height'), ...encoding}},
-      {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}},
-      {mark: {type: 'point', filled: true, size: 55}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}},
+      {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}},
+      {mark: {type: 'point', size: 50, strokeWidth: 2}, encoding: {x, y: y('height'), color: encoding.color, fill: hollowFill(encoding.color, surfaces[context.theme]), opacity: encoding.opacity, tooltip}},
     ],
   };
-}
-
-function privilegedNames(data) {
-  return data.agents.filter((agent) => agent.privileged).map((agent) => agent.name);
 }
 
 /** Agents that no other one beats in quality with as little energy, by rising energy. */
@@ -162,10 +167,9 @@ function paretoFront(rows) {
 /** Mean quality against mean energy of every agent; the line joins the best of those that real UAVs can fly. */
 export function energyChart(data, condition, context) {
   const agents = condition.views[context.view].agents;
-  const privileged = privilegedNames(data);
   const rows = agents.map((agent) => ({
-    agent: agent.name, energy: agent.energy_mean_kj, qos: agent.mean, low: agent.ci95[0], high: agent.ci95[1],
-    text: interval(agent.ci95), privileged: privileged.includes(agent.name),
+    agent: agent.name, shown: marked(data, agent.name), energy: agent.energy_mean_kj, qos: agent.mean, ...ends(agent.ci95),
+    text: interval(agent.ci95), privileged: isPrivileged(data, agent.name),
   }));
   const surface = surfaces[context.theme];
   const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, agents.map((agent) => agent.name)).colour, legend: null};
@@ -180,9 +184,9 @@ export function energyChart(data, condition, context) {
     data: {values: rows},
     layer: [
       {data: {values: paretoFront(rows.filter((row) => !row.privileged))}, mark: {type: 'line', interpolate: 'step-after', strokeDash: [4, 3], strokeWidth: 1.4, color: surface.soft}, encoding: {x, y: y('qos'), order: {field: 'energy'}}},
-      {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: colour}},
-      {mark: {type: 'point', size: 75, strokeWidth: 2, opacity: 1}, encoding: {x, y: y('qos'), color: colour, fill: {condition: {test: 'datum.privileged', value: surface.background}, field: 'agent', type: 'nominal', scale: colour.scale, legend: null}, tooltip}},
-      {mark: {type: 'text', align: 'left', dx: 8, dy: -6, fontSize: 11, color: surface.ink}, encoding: {x, y: y('qos'), text: {field: 'agent'}}},
+      {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: colour}},
+      {mark: {type: 'point', size: 75, strokeWidth: 2, opacity: 1}, encoding: {x, y: y('qos'), color: colour, fill: hollowFill(colour, surface), tooltip}},
+      {mark: {type: 'text', align: 'left', dx: 8, dy: -6, fontSize: 11, color: surface.ink}, encoding: {x, y: y('qos'), text: {field: 'shown'}}},
     ],
   };
 }
@@ -197,11 +201,10 @@ function agentsOver(data, condition, view) {
 }
 
 function gainRows(data, experiment, view) {
-  const privileged = privilegedNames(data);
   return data.conditions.filter((condition) => condition.experiment === experiment && condition.views[view] && condition.qos_unit === 'bit/s/Hz')
     .flatMap((condition) => agentsOver(data, condition, view).filter((agent) => agent.gain && agent.name !== 'min-height').map((agent) => ({
-      agent: agent.name, condition: condition.label.replaceAll(' per km²', ''), gain: agent.gain.mean, low: agent.gain.ci95[0], high: agent.gain.ci95[1],
-      text: signedInterval(agent.gain.ci95), privileged: privileged.includes(agent.name),
+      agent: agent.name, condition: condition.label.replaceAll(' per km²', ''), gain: agent.gain.mean, ...ends(agent.gain.ci95),
+      text: signedInterval(agent.gain.ci95), privileged: isPrivileged(data, agent.name),
     })));
 }
 
@@ -236,8 +239,8 @@ export function gainsOverview(data, experiment, context) {
       height: 20 * names.length,
       layer: [
         {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surface.soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
-        {mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
-        {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: {condition: {test: 'datum.privileged', value: surface.background}, field: 'agent', type: 'nominal', scale: scales.colour, legend: null}, tooltip}},
+        {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+        {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: hollowFill(colour, surface), tooltip}},
       ],
     },
   };

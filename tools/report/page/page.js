@@ -4,6 +4,7 @@ import {complete, defaultContext, flightCharts, statisticsCharts} from './charts
 import {gainsOverview, hasGains, meanHeightChart} from './charts_statistics.js';
 import {choice, h} from './dom.js';
 import {slug} from './format.js';
+import {marked, marksExplained} from './privilege.js';
 import {claimsList, missingSection, publishedTable, selectionRemark, summaryTable} from './sections.js';
 
 const data = JSON.parse(document.getElementById('report-data').textContent);
@@ -98,7 +99,7 @@ function experimentResults(experiment, index) {
   const parts = [];
   if (hasGains(data, index, state.view))
     parts.push(h('h4', {}, 'Gains over min-height in all conditions'), explain('gain'),
-      h('div', {class: 'grid wide'}, figure(`${slug(experiment.name)}-gains`, 'Mean over trials, with 95 % intervals; privileged agents are hollow', (context) => gainsOverview(data, index, context))));
+      h('div', {class: 'grid wide'}, figure(`${slug(experiment.name)}-gains`, 'Mean over trials, with 95 % intervals', (context) => gainsOverview(data, index, context))));
   for (const chart of statisticsCharts) {
     const fitting = conditions.filter((condition) => chart.fits(condition.views[state.view]));
     if (fitting.length === 0) continue;
@@ -116,7 +117,7 @@ function explain(id) {
     qos: 'Each value behind a box is the mean of one flight. Box: quartiles and median; whiskers: the last value within 1.5 box lengths; diamond: mean.',
     gain: 'Difference to min-height on the same worlds; the bar is the 95 % bootstrap interval of the mean.',
     profile: 'The share of trials whose mean exceeds a threshold: higher is better everywhere, crossing lines mean that no agent is best for all.',
-    energy: 'Mean of all flights. No UAV without privileged knowledge is above and left of the line; privileged agents are hollow. Energy: rotary-wing power at constant speed over ground, plus climbing (docs/learners.md).',
+    energy: 'Mean of all flights. No UAV without privileged knowledge is above and left of the line. Energy: rotary-wing power at constant speed over ground, plus climbing (docs/learners.md).',
   };
   return h('p', {class: 'soft'}, texts[id]);
 }
@@ -124,6 +125,7 @@ function explain(id) {
 function resultsSection() {
   return h('section', {id: 'results'}, h('h2', {}, 'Results'),
     state.view === 'selected' ? selectionRemark(data) : null,
+    h('p', {class: 'soft'}, marksExplained(data), ' Where nothing varies – one trial, or the same result in all – there is no interval.'),
     data.experiments.map(experimentResults));
 }
 
@@ -148,7 +150,7 @@ function flightSection() {
   const section = h('section', {id: 'flight'}, h('h2', {}, 'One flight'),
     h('div', {class: 'bar controls'},
       choice('Condition', data.conditions.map((other, index) => ({value: index, text: data.experiments.length > 1 ? `${data.experiments[other.experiment].name}: ${other.label}` : other.label})), state.condition, (value) => change({condition: Number(value)})),
-      flight ? choice('Agent', flight.agents.map((agent) => ({value: agent.name, text: agent.name})), context.agent, (agent) => change({agent})) : null));
+      flight ? choice('Agent', flight.agents.map((agent) => ({value: agent.name, text: marked(data, agent.name)})), context.agent, (agent) => change({agent})) : null));
   if (!flight) section.append(h('p', {class: 'soft'}, 'No flight of this trial is stored yet for this condition.'));
   else section.append(
     h('p', {class: 'soft'}, `Trial ${flight.trial}: all agents on the same world. Click an agent in a legend to see it alone, shift-click to add another.`),

@@ -2,6 +2,7 @@
 
 import {h, table} from './dom.js';
 import {interval, number, percent, signed, signedInterval} from './format.js';
+import {isPrivileged, marked} from './privilege.js';
 import {agentScales} from './theme.js';
 
 const verdicts = {
@@ -17,7 +18,8 @@ export function verdictBadge(verdict) {
 
 export function agentName(data, name, theme) {
   const scale = agentScales(data, theme, [name]);
-  return h('span', {class: 'agent'}, h('span', {class: 'swatch', style: `background:${scale.colour.range[0]}`}), name);
+  const look = isPrivileged(data, name) ? 'swatch hollow' : 'swatch';
+  return h('span', {class: 'agent'}, h('span', {class: look, style: `color:${scale.colour.range[0]}`}), marked(data, name));
 }
 
 export function missingSection(data) {

@@ -1,6 +1,7 @@
 #include "tools/report/claims.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,8 @@
 #include <stdexcept>
 
 #include "common/base/random.hpp"
+#include "tools/report/paper.hpp"
+#include "tools/report/published.hpp"
 #include "tools/report/resampling.hpp"
 
 namespace aloft::report {
@@ -25,6 +28,8 @@ constexpr Interval negative{-infinity, 0.0};
 constexpr Interval hardly{-0.1, 0.1};
 /// "6 % to 41 %".
 constexpr Interval published_gain{0.06, 0.41};
+/// The paper's reinforcement learner.
+constexpr const char* learner = "dqn";
 
 using Values = std::vector<double> AgentTrials::*;
 using Conditions = std::span<const ConditionTrials>;
@@ -34,7 +39,10 @@ bool is_paper_baseline(const AgentTrials& agent) {
   return agent.type == "min-height" || agent.type == "constant" || agent.type == "random-walk";
 }
 
-/// Agents of the paper that have flown here; `learner` is its reinforcement learner.
+bool any_agent(const AgentTrials& /*agent*/) {
+  return true;
+}
+
 std::vector<const AgentTrials*> agents_where(const ConditionTrials& condition,
                                              const std::function<bool(const AgentTrials&)>& wanted) {
   std::vector<const AgentTrials*> found;
@@ -54,7 +62,7 @@ Comparison difference(std::string what, std::string unit, const AgentTrials& a, 
   for (const auto& [i, k] : pairs(a, b)) differences.push_back((a.*values)[i] - (b.*values)[k]);
   Interval interval = experiment::bootstrap_ci95(differences, seed_of(what));
   if (!interval.known() && !differences.empty()) interval = {differences.front(), differences.front()};  // all the same
-  return {std::move(what), std::move(unit), interval, claimed};
+  return {std::move(what), std::move(unit), interval, claimed, differences.size()};
 }
 
 /// Mean of a over the mean of all b together, minus 1, over the trials that all have.
@@ -80,7 +88,7 @@ Comparison relative_gain(std::string what, const AgentTrials& a, const std::vect
     }
     return sum_ours / sum_theirs - 1.0;
   });
-  return {std::move(what), "%", interval, claimed};
+  return {std::move(what), "%", interval, claimed, ours.size()};
 }
 
 /// Conditions that differ in one density alone, by ascending density; each density once.
@@ -100,51 +108,36 @@ std::vector<std::vector<const ConditionTrials*>> sweeps(Conditions conditions, d
   return result;
 }
 
-/// Each generated world once, however many experiments flew it.
-std::vector<const ConditionTrials*> distinct(Conditions conditions, bool generated_only) {
-  std::vector<const ConditionTrials*> result;
-  for (const ConditionTrials& condition : conditions) {
-    const bool generated = condition.kind == experiment::WorldKind::generated;
-    if (generated_only && !generated) continue;
-    const bool seen = generated && std::any_of(result.begin(), result.end(), [&](const ConditionTrials* other) {
-                        return other->seed == condition.seed && other->other_parameters == condition.other_parameters &&
-                               other->bs_density_per_km2 == condition.bs_density_per_km2 &&
-                               other->building_density_per_km2 == condition.building_density_per_km2;
-                      });
-    if (!seen) result.push_back(&condition);
-  }
-  return result;
-}
-
 std::string here(const ConditionTrials& condition) {
   return condition.experiment + ", " + condition.label;
 }
 
-Comparisons rl_improves(Conditions conditions, const std::string& learner) {
+Comparisons rl_improves(Conditions conditions) {
   Comparisons comparisons;
-  for (const ConditionTrials* condition : distinct(conditions, false)) {
-    const AgentTrials* rl = condition->agent(learner);
-    const auto baselines = agents_where(*condition, is_paper_baseline);
+  for (const ConditionTrials& condition : conditions) {
+    const AgentTrials* rl = condition.agent(learner);
+    const auto baselines = agents_where(condition, is_paper_baseline);
     if (rl == nullptr || baselines.empty()) continue;
     for (const AgentTrials* baseline : baselines)
-      comparisons.push_back(relative_gain(fmt::format("{}: {} over {}", here(*condition), learner, baseline->name), *rl,
+      comparisons.push_back(relative_gain(fmt::format("{}: {} over {}", here(condition), learner, baseline->name), *rl,
                                           {baseline}, positive));
     comparisons.push_back(
-        relative_gain(fmt::format("{}: {} over the average of the baselines", here(*condition), learner), *rl,
-                      baselines, published_gain));
+        relative_gain(fmt::format("{}: {} over the average of the baselines", here(condition), learner), *rl, baselines,
+                      published_gain));
   }
   return comparisons;
 }
 
-Comparisons best_feasible(Conditions conditions, const std::string& learner) {
+Comparisons best_feasible(Conditions conditions) {
   Comparisons comparisons;
-  for (const ConditionTrials* condition : distinct(conditions, true)) {
+  for (const ConditionTrials& condition : conditions) {
+    if (condition.kind != experiment::WorldKind::generated) continue;
     const auto best =
-        agents_where(*condition, [&](const AgentTrials& a) { return a.name == learner || a.type == "one-step-ahead"; });
+        agents_where(condition, [&](const AgentTrials& a) { return a.name == learner || a.type == "one-step-ahead"; });
     for (const AgentTrials* good : best)
-      for (const AgentTrials* baseline : agents_where(*condition, is_paper_baseline))
-        comparisons.push_back(difference(fmt::format("{}: {} − {}", here(*condition), good->name, baseline->name),
-                                         condition->qos_unit(), *good, *baseline, &AgentTrials::qos, positive));
+      for (const AgentTrials* baseline : agents_where(condition, is_paper_baseline))
+        comparisons.push_back(difference(fmt::format("{}: {} − {}", here(condition), good->name, baseline->name),
+                                         condition.qos_unit(), *good, *baseline, &AgentTrials::qos, positive));
   }
   return comparisons;
 }
@@ -165,12 +158,12 @@ Comparisons along_bs_density(Conditions conditions, Values values, const char* u
   return comparisons;
 }
 
-Comparisons along_building_density(Conditions conditions, const std::function<bool(const AgentTrials&)>& wanted) {
+Comparisons along_building_density(Conditions conditions) {
   Comparisons comparisons;
   for (const auto& sweep :
        sweeps(conditions, &ConditionTrials::building_density_per_km2, &ConditionTrials::bs_density_per_km2))
     for (std::size_t i = 1; i < sweep.size(); ++i)
-      for (const AgentTrials* dense : agents_where(*sweep[i], wanted))
+      for (const AgentTrials* dense : agents_where(*sweep[i], any_agent))
         if (const AgentTrials* sparse = sweep[i - 1]->agent(dense->name))
           comparisons.push_back(
               relative_gain(fmt::format("{}: {} at {} over {} buildings per km²", sweep[i]->experiment, dense->name,
@@ -179,13 +172,13 @@ Comparisons along_building_density(Conditions conditions, const std::function<bo
   return comparisons;
 }
 
-Comparisons fewer_changes(Conditions conditions, const std::string& learner) {
+Comparisons fewer_changes(Conditions conditions) {
   Comparisons comparisons;
-  for (const ConditionTrials* condition : distinct(conditions, false)) {
-    const AgentTrials* rl = condition->agent(learner);
-    const AgentTrials* ahead = condition->agent("one-step-ahead");
+  for (const ConditionTrials& condition : conditions) {
+    const AgentTrials* rl = condition.agent(learner);
+    const AgentTrials* ahead = condition.agent("one-step-ahead");
     if (rl == nullptr || ahead == nullptr) continue;
-    comparisons.push_back(difference(fmt::format("{}: {} − one-step-ahead", here(*condition), learner),
+    comparisons.push_back(difference(fmt::format("{}: {} − one-step-ahead", here(condition), learner),
                                      "changes per flight", *rl, *ahead, &AgentTrials::height_changes, negative));
   }
   return comparisons;
@@ -195,13 +188,8 @@ struct Reading {
   const char* id;
   const char* words;
   const char* needs;
-  std::function<Comparisons(Conditions, const std::string& learner)> compare;
+  std::function<Comparisons(Conditions)> compare;
 };
-
-bool of_the_paper(const AgentTrials& agent, const std::string& learner) {
-  return is_paper_baseline(agent) || agent.type == "one-step-ahead" || agent.type == "optimal-height" ||
-         agent.name == learner;
-}
 
 const std::vector<Reading>& readings() {
   static const std::vector<Reading> all{
@@ -216,25 +204,20 @@ const std::vector<Reading>& readings() {
       {"density-lowers-qos",
        "Read as: the mean of each of the paper's agents falls from each base-station density to the next larger one.",
        "at least two base-station densities in otherwise equal worlds",
-       [](Conditions conditions, const std::string& learner) {
-         return along_bs_density(conditions, &AgentTrials::qos, "bit/s/Hz", negative,
-                                 [&](const AgentTrials& a) { return of_the_paper(a, learner); });
+       [](Conditions conditions) {
+         return along_bs_density(conditions, &AgentTrials::qos, "bit/s/Hz", negative, any_agent);
        }},
       {"buildings-hardly-matter",
        "Read as: from each building density to the next larger one, the mean of each of the paper's agents (all fly at "
        "40 m or more, above nearly all buildings) changes by less than 10 %.",
-       "at least two building densities in otherwise equal worlds",
-       [](Conditions conditions, const std::string& learner) {
-         return along_building_density(conditions, [&](const AgentTrials& a) { return of_the_paper(a, learner); });
-       }},
+       "at least two building densities in otherwise equal worlds", along_building_density},
       {"density-raises-height",
        "Read as: the mean height of one-step-ahead, optimal height and the learner grows from each base-station "
        "density to the next larger one.",
        "at least two base-station densities in otherwise equal worlds",
-       [](Conditions conditions, const std::string& learner) {
-         return along_bs_density(conditions, &AgentTrials::height_m, "m", positive, [&](const AgentTrials& a) {
-           return of_the_paper(a, learner) && !is_paper_baseline(a);
-         });
+       [](Conditions conditions) {
+         return along_bs_density(conditions, &AgentTrials::height_m, "m", positive,
+                                 [](const AgentTrials& a) { return !is_paper_baseline(a); });
        }},
       {"fewer-height-changes",
        "Read as: in every condition the learner changes its height less often per flight than one-step-ahead.",
@@ -257,15 +240,65 @@ std::string line(const Comparison& c) {
   return fmt::format("{}: {:+.2f} … {:+.2f} {} ({})", c.what, c.interval.low, c.interval.high, c.unit, side);
 }
 
-std::string reason(const Comparisons& comparisons, const char* needs) {
-  if (comparisons.empty()) return fmt::format("There is nothing to compare: this needs {}.", needs);
+/// What a claim speaks of and has not flown: "dqn at 1 / 200", base stations / buildings per km².
+std::vector<std::string> missing(const nlohmann::json& claim, Conditions conditions) {
+  std::vector<std::string> lines;
+  for (const nlohmann::json& world : published().at("generated_worlds")) {
+    const nlohmann::json& sweeps_of_world = world.at("sweeps");
+    if (const nlohmann::json& sweep = claim.at("sweep");
+        !sweep.is_null() && std::find(sweeps_of_world.begin(), sweeps_of_world.end(), sweep) == sweeps_of_world.end())
+      continue;
+    const auto flown = std::find_if(conditions.begin(), conditions.end(),
+                                    [&](const ConditionTrials& condition) { return belongs_to(world, condition); });
+    std::vector<std::string> agents;
+    for (const nlohmann::json& agent : claim.at("agents"))
+      if (flown == conditions.end() || flown->agent(agent.get<std::string>()) == nullptr) agents.push_back(agent);
+    if (!agents.empty())
+      lines.push_back(fmt::format(
+          "{} at {:g} / {:g}",
+          agents.size() == claim["agents"].size() ? "all" : fmt::format("{}", fmt::join(agents, ", ")),
+          world.at("bs_density_per_km2").get<double>(), world.at("building_density_per_km2").get<double>()));
+  }
+  return lines;
+}
+
+std::string why_not_applicable(const char* needs, const std::vector<std::string>& left_out) {
+  constexpr std::size_t most = 4;
+  std::string text = fmt::format("It needs {}; the paper's own, with at least {} trials.", needs, least_trials());
+  if (left_out.empty()) return text;
+  text += fmt::format(" Not counted: {}",
+                      fmt::join(left_out.begin(),
+                                left_out.begin() + static_cast<std::ptrdiff_t>(std::min(most, left_out.size())), "; "));
+  return text + (left_out.size() > most ? fmt::format("; and {} more.", left_out.size() - most) : ".");
+}
+
+std::string reason(const Comparisons& comparisons, const std::vector<std::string>& missing) {
   const auto for_it = std::count_if(comparisons.begin(), comparisons.end(), inside);
   const auto against = std::count_if(comparisons.begin(), comparisons.end(), outside);
   std::string text = fmt::format("{} of {} intervals lie where the claim says, {} wholly elsewhere.", for_it,
                                  comparisons.size(), against);
   if (against > 0)
     text += " Against it, first: " + line(*std::find_if(comparisons.begin(), comparisons.end(), outside)) + ".";
+  if (!missing.empty())
+    text += fmt::format(" The claim also speaks of what has not flown here, base stations / buildings per km²: {}.",
+                        fmt::join(missing, "; "));
   return text;
+}
+
+Claim judged(const nlohmann::json& published_claim, const Reading& reading, const PapersShare& share) {
+  Claim claim{published_claim.at("text").get<std::string>(), reading.words, Verdict::not_applicable, {}, {}};
+  Comparisons comparisons = reading.compare(share.conditions);
+  std::erase_if(comparisons, [](const Comparison& c) { return c.pairs < least_trials(); });
+  if (comparisons.empty()) {
+    claim.reason = why_not_applicable(reading.needs, share.left_out);
+    return claim;
+  }
+  const std::vector<std::string> lacking = missing(published_claim, share.conditions);
+  claim.verdict = judge(comparisons);
+  if (claim.verdict == Verdict::supported && !lacking.empty()) claim.verdict = Verdict::undecided;
+  claim.reason = reason(comparisons, lacking);
+  for (const Comparison& comparison : comparisons) claim.details.push_back(line(comparison));
+  return claim;
 }
 
 }  // namespace
@@ -278,32 +311,27 @@ const char* verdict_name(Verdict verdict) {
       return "contradicted";
     case Verdict::undecided:
       return "undecided";
+    case Verdict::not_applicable:
+      return "not-applicable";
   }
   return "";
 }
 
 Verdict judge(std::span<const Comparison> comparisons) {
+  if (comparisons.empty()) return Verdict::not_applicable;
   if (std::any_of(comparisons.begin(), comparisons.end(), outside)) return Verdict::contradicted;
-  return !comparisons.empty() && std::all_of(comparisons.begin(), comparisons.end(), inside) ? Verdict::supported
-                                                                                             : Verdict::undecided;
+  return std::all_of(comparisons.begin(), comparisons.end(), inside) ? Verdict::supported : Verdict::undecided;
 }
 
 std::vector<Claim> judge_claims(std::span<const ConditionTrials> conditions, const nlohmann::json& published_claims) {
-  const std::string learner = published_learner(conditions);
+  const PapersShare share = papers_share(conditions);
   std::vector<Claim> claims;
-  for (const nlohmann::json& published : published_claims) {
-    const auto id = published.at("id").get<std::string>();
+  for (const nlohmann::json& claim : published_claims) {
+    const auto id = claim.at("id").get<std::string>();
     const auto reading =
         std::find_if(readings().begin(), readings().end(), [&](const Reading& r) { return r.id == id; });
     if (reading == readings().end()) throw std::logic_error(fmt::format("no reading of the published claim '{}'", id));
-    const Comparisons comparisons = reading->compare(conditions, learner);
-    Claim claim{published.at("text").get<std::string>(),
-                reading->words,
-                judge(comparisons),
-                reason(comparisons, reading->needs),
-                {}};
-    for (const Comparison& comparison : comparisons) claim.details.push_back(line(comparison));
-    claims.push_back(std::move(claim));
+    claims.push_back(judged(claim, *reading, share));
   }
   return claims;
 }

@@ -11,7 +11,7 @@
 
 namespace aloft::report {
 
-enum class Verdict : std::uint8_t { supported, contradicted, undecided };
+enum class Verdict : std::uint8_t { supported, contradicted, undecided, not_applicable };
 
 [[nodiscard]] const char* verdict_name(Verdict verdict);
 
@@ -21,10 +21,11 @@ struct Comparison {
   std::string unit;  ///< of the interval; "%": the values are shares
   experiment::Interval interval;
   experiment::Interval claimed;
+  std::size_t pairs = 0;  ///< trials that the interval rests on
 };
 
-/// Supported: every interval lies inside what is claimed. Contradicted: at least one lies wholly outside. Otherwise, or
-/// without a comparison, undecided.
+/// Supported: every interval lies inside what is claimed. Contradicted: at least one lies wholly outside. Otherwise
+/// undecided; without a comparison, not applicable.
 [[nodiscard]] Verdict judge(std::span<const Comparison> comparisons);
 
 /// A published claim beside what the data say.
@@ -36,7 +37,9 @@ struct Claim {
   std::vector<std::string> details;  ///< one line per comparison
 };
 
-/// Judges the claims of data/published.json ([{"id", "text"}]) on these conditions; only the agents of the paper count.
+/// Judges the claims of data/published.json ([{"id", "text", "sweep", "agents"}]) on what these conditions share with
+/// the paper (paper.hpp): its worlds and flights, its agents, enough trials. Supported only if all of its generated
+/// worlds (those of the sweep that the claim is about) and all agents that it speaks of have flown.
 /// std::logic_error if an id is unknown.
 [[nodiscard]] std::vector<Claim> judge_claims(std::span<const ConditionTrials> conditions,
                                               const nlohmann::json& published_claims);

@@ -1,26 +1,18 @@
 #include "tools/report/published.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
 #include "common/base/random.hpp"
 #include "tools/report/embedded.hpp"
+#include "tools/report/paper.hpp"
 #include "tools/report/resampling.hpp"
 
 namespace aloft::report {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-nlohmann::json with_interval(double value, experiment::Interval interval) {
-  return {{"value", value}, {"ci95", {interval.low, interval.high}}};
-}
 
 double median_at(const std::vector<double>& values, std::span<const std::uint32_t> indices,
                  std::vector<double>& scratch) {
@@ -46,13 +38,14 @@ std::vector<std::vector<double>> common_trials(const std::vector<const AgentTria
   return values;
 }
 
-nlohmann::json ratio_of_medians(const nlohmann::json& published_value, const ConditionTrials& condition,
-                                const AgentTrials& agent, std::uint64_t seed) {
-  std::vector<const AgentTrials*> agents{&agent};
-  for (const nlohmann::json& name : published_value.at("over")) {
-    agents.push_back(condition.agent(name.get<std::string>()));
-    if (agents.back() == nullptr) return nullptr;
-  }
+struct Estimate {
+  double value = 0.0;
+  experiment::Interval interval;
+  std::size_t trials = 0;
+};
+
+/// The median of the first over the mean of the medians of the others.
+Estimate ratio_of_medians(const std::vector<const AgentTrials*>& agents, std::uint64_t seed) {
   const auto values = common_trials(agents);
   std::vector<double> scratch;
   const auto ratio = [&](std::span<const std::uint32_t> indices) {
@@ -61,9 +54,50 @@ nlohmann::json ratio_of_medians(const nlohmann::json& published_value, const Con
     return median_at(values[0], indices, scratch) * static_cast<double>(values.size() - 1) / others;
   };
   std::vector<std::uint32_t> every(values[0].size());
-  if (every.empty()) return nullptr;
   for (std::size_t i = 0; i < every.size(); ++i) every[i] = static_cast<std::uint32_t>(i);
-  return with_interval(ratio(every), resampled_ci95(every.size(), seed, ratio));
+  return {ratio(every), resampled_ci95(every.size(), seed, ratio), every.size()};
+}
+
+Estimate estimate(const std::string& statistic, const std::vector<const AgentTrials*>& agents) {
+  const std::uint64_t seed = name_hash("published " + statistic);
+  const std::vector<double>& qos = agents.front()->qos;
+  if (statistic == "mean") return {experiment::mean(qos), experiment::bootstrap_ci95(qos, seed), qos.size()};
+  if (statistic == "median")
+    return {experiment::quantile(qos, 0.5), resampled_ci95(std::span<const double>(qos), seed, median_of_sorted),
+            qos.size()};
+  if (statistic == "ratio of medians") return ratio_of_medians(agents, seed);
+  throw std::logic_error("unknown published statistic: " + statistic);
+}
+
+nlohmann::json not_applicable(const std::string& reason) {
+  return {
+      {"verdict", "not-applicable"}, {"reason", reason}, {"value", nullptr}, {"ci95", nullptr}, {"trials", nullptr}};
+}
+
+const char* name_of(Agreement agreement) {
+  switch (agreement) {
+    case Agreement::agrees:
+      return "agrees";
+    case Agreement::disagrees:
+      return "disagrees";
+    case Agreement::undecided:
+      return "undecided";
+  }
+  return "";
+}
+
+/// How many trials would make the interval as narrow as the published number is exact, to two digits.
+double trials_needed(const Estimate& ours, double half_width, double tolerance) {
+  const double needed = static_cast<double>(ours.trials) * std::pow(half_width / tolerance, 2.0);
+  const double unit = std::pow(10.0, std::floor(std::log10(needed)) - 1.0);
+  return std::ceil(needed / unit) * unit;
+}
+
+std::string why_undecided(const Estimate& ours, double tolerance) {
+  const double half_width = (ours.interval.high - ours.interval.low) / 2.0;
+  if (half_width <= tolerance) return fmt::format("the interval lies across the edge of ± {:g}", tolerance);
+  return fmt::format("our interval is ± {:.2g}, the published value is good to ± {:g}; it takes about {:.0f} trials",
+                     half_width, tolerance, trials_needed(ours, half_width, tolerance));
 }
 
 }  // namespace
@@ -71,18 +105,6 @@ nlohmann::json ratio_of_medians(const nlohmann::json& published_value, const Con
 const nlohmann::json& published() {
   static const nlohmann::json values = nlohmann::json::parse(embedded_published());
   return values;
-}
-
-bool belongs_to(const nlohmann::json& published_value, const ConditionTrials& condition) {
-  if (published_value.contains("measured_flight")) {
-    const std::string flight = lower(published_value["measured_flight"].get<std::string>());
-    const auto names_it = [&](const std::string& name) { return lower(name).find(flight) != std::string::npos; };
-    return condition.kind == experiment::WorldKind::measured &&
-           (names_it(condition.name) || names_it(condition.experiment) || names_it(condition.measured_file));
-  }
-  return condition.kind == experiment::WorldKind::generated &&
-         published_value.at("bs_density_per_km2").get<double>() == condition.bs_density_per_km2 &&
-         published_value.at("building_density_per_km2").get<double>() == condition.building_density_per_km2;
 }
 
 double printed_tolerance(const nlohmann::json& published_value) {
@@ -94,18 +116,45 @@ double printed_tolerance(const nlohmann::json& published_value) {
   return 0.5 * std::pow(10.0, -static_cast<double>(printed.size() - point - 1));
 }
 
+Agreement agreement(double published, double tolerance, double ours, experiment::Interval interval) {
+  const experiment::Interval here = interval.known() ? interval : experiment::Interval{ours, ours};
+  const double low = published - tolerance;
+  const double high = published + tolerance;
+  if (here.low >= low && here.high <= high) return Agreement::agrees;
+  return here.high < low || here.low > high ? Agreement::disagrees : Agreement::undecided;
+}
+
+bool belongs_to(const nlohmann::json& published_value, const ConditionTrials& condition) {
+  if (published_value.contains("measured_flight"))
+    return papers_flight(condition) == published_value["measured_flight"].get<std::string>();
+  return condition.kind == experiment::WorldKind::generated &&
+         published_value.at("bs_density_per_km2").get<double>() == condition.bs_density_per_km2 &&
+         published_value.at("building_density_per_km2").get<double>() == condition.building_density_per_km2;
+}
+
 nlohmann::json beside_published(const nlohmann::json& published_value, const ConditionTrials& condition) {
-  const AgentTrials* agent = condition.agent(published_value.at("agent").get<std::string>());
-  if (agent == nullptr) return nullptr;
-  const auto statistic = published_value.at("statistic").get<std::string>();
-  const std::uint64_t seed = name_hash("published " + statistic);
-  if (statistic == "mean")
-    return with_interval(experiment::mean(agent->qos), experiment::bootstrap_ci95(agent->qos, seed));
-  if (statistic == "median")
-    return with_interval(experiment::quantile(agent->qos, 0.5),
-                         resampled_ci95(std::span<const double>(agent->qos), seed, median_of_sorted));
-  if (statistic == "ratio of medians") return ratio_of_medians(published_value, condition, *agent, seed);
-  throw std::logic_error("unknown published statistic: " + statistic);
+  std::vector<std::string> names{published_value.at("agent").get<std::string>()};
+  for (const nlohmann::json& other : published_value.value("over", nlohmann::json::array())) names.push_back(other);
+  std::vector<const AgentTrials*> agents;
+  for (const std::string& name : names) {
+    const PapersAgent agent = papers_agent(condition, name);
+    if (!agent.why_not.empty()) return not_applicable(agent.why_not);
+    if (agent.trials == nullptr) return nullptr;
+    agents.push_back(agent.trials);
+  }
+  const Estimate ours = estimate(published_value.at("statistic").get<std::string>(), agents);
+  if (ours.trials < least_trials())
+    return not_applicable(
+        fmt::format("{} trials that all of these agents flew, at least {} are needed", ours.trials, least_trials()));
+  const double tolerance = printed_tolerance(published_value);
+  const Agreement verdict = agreement(published_value.at("value").get<double>(), tolerance, ours.value, ours.interval);
+  nlohmann::json interval;
+  if (ours.interval.known()) interval = {ours.interval.low, ours.interval.high};
+  return {{"verdict", name_of(verdict)},
+          {"reason", verdict == Agreement::undecided ? why_undecided(ours, tolerance) : ""},
+          {"value", ours.value},
+          {"ci95", std::move(interval)},
+          {"trials", ours.trials}};
 }
 
 }  // namespace aloft::report

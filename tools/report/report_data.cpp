@@ -12,6 +12,7 @@
 #include "common/base/nearest.hpp"
 #include "tools/report/claims.hpp"
 #include "tools/report/flight_view.hpp"
+#include "tools/report/paper.hpp"
 #include "tools/report/published.hpp"
 #include "tools/report/statistics_view.hpp"
 
@@ -121,7 +122,8 @@ json condition_data(const store::ResultStore& run, const ReportCondition& condit
 
 json published_rows(const std::vector<ReportCondition>& conditions, bool name_experiment) {
   json rows = json::array();
-  for (const ReportCondition& condition : conditions)
+  for (const ReportCondition& condition : conditions) {
+    if (!why_not_the_papers(condition.all).empty()) continue;
     for (const json& value : published().at("values")) {
       if (!belongs_to(value, condition.all)) continue;
       const json all = beside_published(value, condition.all);
@@ -144,17 +146,27 @@ json published_rows(const std::vector<ReportCondition>& conditions, bool name_ex
            {"views",
             {{"all", all}, {"selected", condition.selected ? beside_published(value, *condition.selected) : json()}}}});
     }
+  }
   return rows;
 }
 
-json claims_of(const std::vector<ReportCondition>& conditions, bool only_selected) {
+std::vector<ConditionTrials> trials_of(const std::vector<ReportCondition>& conditions, bool only_selected) {
   std::vector<ConditionTrials> trials;
   for (const ReportCondition& condition : conditions) {
     if (!only_selected) trials.push_back(condition.all);
     if (only_selected && condition.selected) trials.push_back(*condition.selected);
   }
+  return trials;
+}
+
+/// With what of the run the paper is not compared, and why.
+json left_out(const std::vector<ReportCondition>& conditions, bool only_selected) {
+  return papers_share(trials_of(conditions, only_selected)).left_out;
+}
+
+json claims_of(const std::vector<ReportCondition>& conditions, bool only_selected) {
   json claims = json::array();
-  for (const Claim& claim : judge_claims(trials, published().at("claims")))
+  for (const Claim& claim : judge_claims(trials_of(conditions, only_selected), published().at("claims")))
     claims.push_back({{"text", claim.text},
                       {"reading", claim.reading},
                       {"verdict", verdict_name(claim.verdict)},
@@ -212,7 +224,11 @@ nlohmann::json report_data(std::span<const store::ResultStore> runs, const Choic
             {"marks_explained", agents::marks_explained()},
             {"learner", learner.empty() ? json() : json(learner)},
             {"conditions", json::array()},
-            {"published", {{"source", published().at("source")}, {"rows", published_rows(conditions, several)}}},
+            {"published",
+             {{"source", published().at("source")},
+              {"least_trials", least_trials()},
+              {"rows", published_rows(conditions, several)},
+              {"left_out", {{"all", left_out(conditions, false)}, {"selected", left_out(conditions, true)}}}}},
             {"claims", {{"all", claims_of(conditions, false)}, {"selected", claims_of(conditions, true)}}}};
   for (const store::ResultStore& run : runs) data["experiments"].push_back(experiment_facts(run));
   for (const ReportCondition& condition : conditions)

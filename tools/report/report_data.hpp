@@ -24,7 +24,8 @@ struct Choice {
 ///  index, "name", "label", "kind", "qos_name", "qos_unit",
 ///                  "views": {"all": statistics_view, "selected": statistics_view | null}, "flight": flight_view |
 ///                  null}],
-///  "published": {"source", "rows": [{"label", "agent", "quantity", "unit", "published", "plus_minus", "tolerance",
+///  "published": {"source", "least_trials", "left_out": {"all": [line...], "selected": [line...]}, "rows": [{"label",
+///  "agent", "quantity", "unit", "published", "plus_minus", "tolerance",
 ///                "views": {"all": beside_published, "selected": ...}}]},
 ///  "claims": {"all": [{"text", "reading", "verdict", "reason", "details"}], "selected": [...]}}
 /// "selected" counts only the trials in which the learner beat constant-120, as all published trials do.

@@ -6,12 +6,57 @@
 #include "common/base/error.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "tests/integration/command.hpp"
+#include "tests/paths.hpp"
 #include "tools/report/report.hpp"
 
 using namespace aloft;
 using nlohmann::json;
 
 namespace {
+
+using Keep = std::function<bool(const experiment::FlightKey&)>;
+
+bool everything(const experiment::FlightKey& /*key*/) {
+  return true;
+}
+
+/// Flies all of an experiment for which `keep` is true.
+void fly(const experiment::Experiment& experiment, const std::filesystem::path& dir, const Keep& keep) {
+  auto results = store::ResultStore::open_for_writing(dir, experiment);
+  results.batch([&] {
+    for (const experiment::Condition& condition : experiment.conditions)
+      for (std::uint32_t trial = 0; trial < experiment.trials; ++trial) {
+        const auto map = experiment::make_signal_map(experiment, condition, trial);
+        for (const agents::AgentSpec& spec : experiment.agents) {
+          const experiment::FlightKey key{condition.index, trial, spec.name};
+          if (!keep(key)) continue;
+          const auto agent = spec.make();
+          results.add(key, store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec,
+                                                           experiment.costs_in(condition))));
+        }
+      }
+  });
+}
+
+json data_of(const std::filesystem::path& dir, const report::Choice& choice = {}) {
+  std::vector<store::ResultStore> runs;
+  runs.push_back(store::ResultStore::open_for_reading(dir));
+  return report::report_data(runs, choice);
+}
+
+/// The report of a shipped experiment, flown as far as these overrides leave it.
+json report_of(const std::string& experiment, const experiment::Overrides& overrides) {
+  const test::ScratchDir dir;
+  fly(experiment::load(test::source_dir() / "data" / "experiments" / experiment, overrides), dir / "results",
+      everything);
+  return data_of(dir / "results");
+}
+
+json claim_of(const json& data, const std::string& words) {
+  for (const json& claim : data["claims"]["all"])
+    if (claim["text"].get<std::string>().find(words) != std::string::npos) return claim;
+  return nullptr;
+}
 
 /// A flight of 3 steps and 3 heights, stored in kbit/s; step s at level k gives 1000 s + 100 k.
 constexpr const char* measured_csv =
@@ -23,41 +68,61 @@ constexpr const char* measured_csv =
 /// Two trials of two agents over that flight, of which those for which `keep` is true are stored.
 class MeasuredRun {
  public:
-  explicit MeasuredRun(const std::function<bool(const experiment::FlightKey&)>& keep) {
+  explicit MeasuredRun(const Keep& keep) {
     test::write_text(dir_ / "gcq.csv", measured_csv);
     const json document{{"name", "tiny"},
                         {"trials", 2},
                         {"world", {{"kind", "measured"}, {"file", (dir_ / "gcq.csv").string()}}},
                         {"agents", {"constant-40", "min-height"}}};
-    const experiment::Experiment experiment = experiment::parse(document.dump(), "test");
-    auto results = store::ResultStore::open_for_writing(dir_ / "results", experiment);
-    for (std::uint32_t trial = 0; trial < experiment.trials; ++trial)
-      for (const agents::AgentSpec& spec : experiment.agents) {
-        const experiment::FlightKey key{0, trial, spec.name};
-        if (!keep(key)) continue;
-        const auto map = experiment::make_signal_map(experiment, experiment.conditions[0], trial);
-        const auto agent = spec.make();
-        results.add(key, store::encode_trace(flight::fly(*map, experiment.seed, trial, *agent, spec,
-                                                         experiment.costs_in(experiment.conditions[0]))));
-      }
+    fly(experiment::parse(document.dump(), "test"), dir_ / "results", keep);
   }
 
-  [[nodiscard]] json data(const report::Choice& choice = {}) const {
-    std::vector<store::ResultStore> runs;
-    runs.push_back(store::ResultStore::open_for_reading(dir_ / "results"));
-    return report::report_data(runs, choice);
-  }
+  [[nodiscard]] json data(const report::Choice& choice = {}) const { return data_of(dir_ / "results", choice); }
   [[nodiscard]] std::filesystem::path dir() const { return dir_ / "results"; }
 
  private:
   test::ScratchDir dir_;
 };
 
-bool everything(const experiment::FlightKey& /*key*/) {
-  return true;
+}  // namespace
+
+TEST_CASE("The shipped quick experiment has too few trials to be compared with the paper", "[report]") {
+  const json data = report_of("quick.json", {.agents = {"min-height", "constant-120", "random-walk"}});
+  for (const json& claim : data["claims"]["all"]) {
+    CHECK(claim["verdict"] == "not-applicable");
+    CHECK_THAT(claim["reason"].get<std::string>(), Catch::Contains("20 trials, at least 30 are needed") &&
+                                                       Catch::Contains("not a flight of the paper by its SHA-256"));
+  }
+  CHECK(data["published"]["left_out"]["all"].size() == 4);
+  REQUIRE(data["published"]["rows"].size() == 5);  // of the cities; none of the measured sample
+  for (const json& row : data["published"]["rows"]) {
+    CHECK(row["views"]["all"]["verdict"] == "not-applicable");
+    CHECK(row["views"]["all"]["value"].is_null());
+  }
 }
 
-}  // namespace
+TEST_CASE("The shipped bs-density experiment is compared with the paper, as far as it has flown", "[report]") {
+  const std::vector<std::string> agents{"min-height", "constant-120", "constant-240", "random-walk", "one-step-ahead"};
+  const json data = report_of("bs-density.json", {.agents = agents, .trials = 30});
+  CHECK(data["published"]["left_out"]["all"].empty());
+  CHECK(data["published"]["rows"].size() == 9);
+  for (const json& row : data["published"]["rows"]) CHECK(row["views"]["all"]["verdict"] != "not-applicable");
+  const json density = claim_of(data, "higher base-station density");
+  CHECK(density["verdict"] != "supported");
+  CHECK_THAT(density["reason"].get<std::string>(), Catch::Contains("optimal-height, dqn at 1 / 200"));
+  CHECK(claim_of(data, "RL improves")["verdict"] == "not-applicable");
+  CHECK(claim_of(data, "building density")["verdict"] == "not-applicable");
+}
+
+TEST_CASE("With another beam the shipped bs-density experiment is none of the paper's", "[report]") {
+  const json data =
+      report_of("bs-density.json", {.set = {"world.uav_beamwidth_deg=60"}, .agents = {"min-height"}, .trials = 1});
+  CHECK(data["published"]["rows"].empty());
+  for (const json& claim : data["claims"]["all"]) {
+    CHECK(claim["verdict"] == "not-applicable");
+    CHECK_THAT(claim["reason"].get<std::string>(), Catch::Contains("uav_beamwidth_deg 60 instead of 45"));
+  }
+}
 
 TEST_CASE("The data block of a measured flight counts in Mbit/s", "[report]") {
   const json data = MeasuredRun(everything).data();

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/radio/generated_world.hpp"
 #include "tools/report/trials.hpp"
 
 namespace aloft::report::testing {
@@ -12,7 +13,14 @@ namespace aloft::report::testing {
 /// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes, 12.5 kJ, 3 handovers.
 inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
   AgentTrials result{std::move(name), std::move(type)};
-  result.privilege = agents::agent_type(result.type).privilege;
+  const agents::AgentSpec spec =
+      agents::parse_agents(result.name.starts_with(result.type)
+                               ? nlohmann::json(result.name)
+                               : nlohmann::json{{"type", result.type}, {"name", result.name}},
+                           "test")
+          .front();
+  result.privilege = spec.privilege();
+  result.parameters = spec.parameters.to_json();
   result.qos = std::move(qos);
   for (std::size_t i = 0; i < result.qos.size(); ++i) result.trials.push_back(static_cast<std::uint32_t>(i));
   result.height_m.assign(result.qos.size(), 40.0);
@@ -22,7 +30,7 @@ inline AgentTrials agent(std::string name, std::string type, std::vector<double>
   return result;
 }
 
-/// A generated world.
+/// A generated world of the published preset.
 inline ConditionTrials condition(double bs_density_per_km2, double building_density_per_km2,
                                  std::vector<AgentTrials> agents) {
   ConditionTrials result;
@@ -30,6 +38,10 @@ inline ConditionTrials condition(double bs_density_per_km2, double building_dens
   result.name = result.label = "a condition";
   result.bs_density_per_km2 = bs_density_per_km2;
   result.building_density_per_km2 = building_density_per_km2;
+  result.world_parameters =
+      radio::resolve_generated_world(
+          {{"bs_density_per_km2", bs_density_per_km2}, {"building_density_per_km2", building_density_per_km2}}, "test")
+          .to_json();
   result.agents = std::move(agents);
   for (const AgentTrials& a : result.agents)
     result.trials_expected = std::max(result.trials_expected, static_cast<std::uint32_t>(a.trials.size()));

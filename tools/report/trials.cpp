@@ -57,7 +57,9 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
   trials.name = condition.name;
   trials.kind = condition.kind;
   trials.trials_expected = experiment.trials;
-  nlohmann::json parameters = condition.world.to_json();
+  trials.costs = experiment.costs;
+  trials.world_parameters = condition.world.to_json();
+  nlohmann::json parameters = trials.world_parameters;
   trials.bs_density_per_km2 = take_number(parameters, "bs_density_per_km2");
   trials.building_density_per_km2 = take_number(parameters, "building_density_per_km2");
   trials.other_parameters = parameters.dump();
@@ -65,7 +67,7 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
     trials.measured_file = std::filesystem::path(parameters.value("file", "")).stem().string();
   trials.label = label_of(condition, trials.measured_file);
   for (const agents::AgentSpec& spec : experiment.agents)
-    trials.agents.push_back({spec.name, spec.type, spec.privilege()});
+    trials.agents.push_back({spec.name, spec.type, spec.privilege(), spec.parameters.to_json()});
   std::stable_sort(trials.agents.begin(), trials.agents.end(),
                    [](const AgentTrials& a, const AgentTrials& b) { return shown_before(a.name, b.name); });
   return trials;
@@ -73,7 +75,7 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
 
 /// The entries of `from` at these indices.
 AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& indices) {
-  AgentTrials some{from.name, from.type, from.privilege};
+  AgentTrials some{from.name, from.type, from.privilege, from.parameters};
   for (const std::size_t i : indices) {
     some.trials.push_back(from.trials[i]);
     some.qos.push_back(from.qos[i]);

@@ -18,6 +18,7 @@ struct AgentTrials {
   std::string name;
   std::string type;
   agents::Privilege privilege = agents::Privilege::none;
+  nlohmann::json parameters{};  ///< with every default filled in
   std::vector<std::uint32_t> trials{};
   std::vector<double> qos{};       ///< mean of the flight, in the condition's unit
   std::vector<double> height_m{};  ///< mean of the flight
@@ -35,8 +36,10 @@ struct ConditionTrials {
   experiment::WorldKind kind = experiment::WorldKind::generated;
   double bs_density_per_km2 = 0.0;        ///< generated worlds; NaN if the world has none
   double building_density_per_km2 = 0.0;  ///< likewise
+  nlohmann::json world_parameters;        ///< all of the world, with every default filled in
   std::string other_parameters;           ///< all but the two densities: equal texts, comparable worlds
-  std::string measured_file;              ///< name of the file of a measured flight, without folder and ending
+  flight::Costs costs;
+  std::string measured_file;  ///< name of the file of a measured flight, without folder and ending
   std::uint32_t trials_expected = 0;
   std::vector<AgentTrials> agents;  ///< in the order of display
 

@@ -12,13 +12,13 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** A table that scrolls sideways on its own when the screen is narrow. `columns`: {title, text(row), number, header}. */
+/** A table that scrolls sideways on its own when the screen is narrow. `columns`: {title, text(row), number, header, long}. */
 export function table(columns, rows, caption) {
   const cell = (column, row) => {
     const content = column.text(row);
     return column.header
       ? h('th', {scope: 'row'}, content)
-      : h('td', {class: column.number ? 'number' : null}, content);
+      : h('td', {class: column.number ? 'number' : column.long ? 'long' : null}, content);
   };
   return h('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption},
     h('table', {},

@@ -5,7 +5,7 @@ import {gainsOverview, hasGains, meanHeightChart} from './charts_statistics.js';
 import {choice, h} from './dom.js';
 import {slug} from './format.js';
 import {marked, marksExplained} from './privilege.js';
-import {claimsList, missingSection, publishedTable, selectionRemark, summaryTable} from './sections.js';
+import {claimsList, leftOutList, missingSection, publishedTable, selectionRemark, summaryTable} from './sections.js';
 
 const data = JSON.parse(document.getElementById('report-data').textContent);
 const titles = {qos: 'Per-trial mean', gain: 'Paired gain over min-height', profile: 'Performance profile', energy: 'Quality against energy'};
@@ -132,14 +132,14 @@ function resultsSection() {
 function publishedSection() {
   const context = {theme: state.theme, view: state.view};
   return h('section', {id: 'published'}, h('h2', {}, 'Published values beside ours'),
-    h('p', {class: 'soft'}, `Source: ${data.published.source}. Intervals are ours (95 %, bootstrap); a value agrees if our interval reaches it within its ± or the rounding of its last digit. The published trials were selected: in each of them the learner beats constant-120; `,
+    h('p', {class: 'soft'}, `Source: ${data.published.source}. Compared are the paper's own worlds, flights and agents, with at least ${data.published.least_trials} trials. Intervals are ours (95 %, bootstrap). A value agrees if our whole interval lies within the published value's ± (or the rounding of its last digit), and disagrees if all of it lies outside; otherwise these trials cannot tell. The published trials were selected: in each of them the learner beats constant-120; `,
       state.view === 'all' ? 'ours are all counted. The switch at the top shows ours selected by the same rule.' : 'ours are selected here by the same rule.'),
-    publishedTable(data, context));
+    publishedTable(data, context), leftOutList(data, context));
 }
 
 function claimsSection() {
   return h('section', {id: 'claims'}, h('h2', {}, 'Published claims'),
-    h('p', {class: 'soft'}, 'Each verdict is computed from the 95 % intervals of this report: supported if every interval lies on the claimed side, contradicted if at least one lies wholly on the other, otherwise the data cannot decide. One interval in twenty misses the truth by chance: look at the single comparisons before you quarrel with a verdict that hangs on one of them.'),
+    h('p', {class: 'soft'}, 'Each verdict is computed from the 95 % intervals of this report: supported if every interval lies on the claimed side, contradicted if at least one lies wholly on the other, otherwise the data cannot decide. A claim is supported only if all worlds and agents that it speaks of have flown, and only the paper\'s own count. One interval in twenty misses the truth by chance: look at the single comparisons before you quarrel with a verdict that hangs on one of them.'),
     claimsList(data, {view: state.view}));
 }
 

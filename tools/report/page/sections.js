@@ -9,6 +9,7 @@ const verdicts = {
   supported: {text: 'Supported', mark: '✓'},
   contradicted: {text: 'Contradicted', mark: '✗'},
   undecided: {text: 'Cannot decide', mark: '?'},
+  'not-applicable': {text: 'Does not apply', mark: '–'},
 };
 
 export function verdictBadge(verdict) {
@@ -65,8 +66,9 @@ export function summaryTable(data, condition, context) {
 
 export function publishedTable(data, context) {
   const rows = data.published.rows.filter((row) => row.views[context.view]);
-  if (rows.length === 0) return h('p', {class: 'soft'}, 'No condition of this report has a published value.');
+  if (rows.length === 0) return h('p', {class: 'soft'}, 'Nothing in this report has a published value to compare with.');
   const ours = (row) => row.views[context.view];
+  const verdicts = {agrees: 'agrees', disagrees: 'disagrees', undecided: 'cannot tell', 'not-applicable': 'does not apply'};
   const decimals = (row) => (row.unit === '' ? 2 : 1);
   return table([
     {title: 'Condition', header: true, text: (row) => row.label},
@@ -75,9 +77,16 @@ export function publishedTable(data, context) {
     {title: 'Published', number: true, text: (row) => number(row.published, decimals(row)) + (row.plus_minus ? ` ± ${row.plus_minus}` : '')},
     {title: 'Ours', number: true, text: (row) => number(ours(row).value, 2)},
     {title: '95 % interval', number: true, text: (row) => interval(ours(row).ci95)},
-    {title: 'Difference', number: true, text: (row) => signed(ours(row).value - row.published)},
-    {title: 'Agrees', text: (row) => (ours(row).ci95[0] <= row.published + row.tolerance && ours(row).ci95[1] >= row.published - row.tolerance ? 'yes' : 'no')},
+    {title: 'Difference', number: true, text: (row) => (ours(row).value === null ? '–' : signed(ours(row).value - row.published))},
+    {title: 'Verdict', long: true, text: (row) => verdicts[ours(row).verdict] + (ours(row).reason ? `: ${ours(row).reason}` : '')},
   ], rows, 'Published values beside ours');
+}
+
+/** What of this report cannot be compared with the paper, and why. */
+export function leftOutList(data, context) {
+  const lines = data.published.left_out[context.view];
+  if (lines.length === 0) return null;
+  return h('details', {open: lines.length <= 6}, h('summary', {}, `Not compared (${lines.length})`), h('ul', {}, lines.map((line) => h('li', {}, line))));
 }
 
 export function claimsList(data, context) {

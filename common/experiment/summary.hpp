@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/text_layout.hpp"
 #include "common/experiment/experiment.hpp"
 
 namespace aloft::experiment {
@@ -39,6 +40,6 @@ struct FlightScore {
 [[nodiscard]] std::string summary_csv(const nlohmann::ordered_json& summary);
 
 /// A summary as aligned text for a terminal, throughput in Mbit/s.
-[[nodiscard]] std::string summary_table(const nlohmann::ordered_json& summary);
+[[nodiscard]] std::string summary_table(const nlohmann::ordered_json& summary, const TableShape& shape = {});
 
 }  // namespace aloft::experiment

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 using namespace aloft;
 using namespace aloft::experiment;
@@ -155,4 +156,25 @@ TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {
   const auto first = table.find("\n", header);
   const auto second = table.find("\n", first + 1);
   CHECK(second - first == table.find("\n", second + 1) - second);
+}
+
+TEST_CASE("the table fits the terminal: what can be spared is left out and named, in all conditions the same") {
+  const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
+  const auto lines = [](const std::string& text) {
+    std::vector<std::string> all;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) all.push_back(line);
+    return all;
+  };
+  CHECK_THAT(summary_table(summary), Contains("[quartiles]") && !Contains("--wide"));
+  for (const std::size_t width : {60U, 80U, 110U}) {
+    const std::string table = summary_table(summary, {.width = width});
+    INFO(table);
+    for (const std::string& line : lines(table)) CHECK(display_width(line) <= width);
+    CHECK_THAT(table, Contains("gain over min-height") && Contains("Left out to fit") && Contains("--wide"));
+    CHECK_THAT(table.substr(0, table.find("Left out")), !Contains("[quartiles]"));
+  }
+  const std::string brief = summary_table(summary, {.brief = true});
+  CHECK_THAT(brief,
+             Contains("agent") && Contains("gain over min-height") && !Contains("height m") && !Contains("Left out"));
 }

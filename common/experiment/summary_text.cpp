@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/base/text_layout.hpp"
 #include "common/experiment/summary.hpp"
 
 namespace aloft::experiment {
@@ -22,8 +23,6 @@ std::string csv_cell(const OrderedJson& value) {
 }
 
 namespace {
-
-using Row = std::vector<std::string>;
 
 /// A number in `unit`, three or four digits that matter.
 std::string digits(const OrderedJson& value, double unit) {
@@ -51,7 +50,7 @@ std::string quartiles(const OrderedJson& agent, double unit) {
   return interval(OrderedJson::array({agent["qos_q25"], agent["qos_q75"]}), unit);
 }
 
-Row table_row(const std::string& name, const OrderedJson& agent, double unit) {
+std::vector<TextTable::Cell> table_row(const std::string& name, const OrderedJson& agent, double unit) {
   return {agents::marked(name, agents::privilege_tier(agent["privilege"].get<std::string>())),
           agent["trials"].dump(),
           digits(agent["qos_mean"], unit),
@@ -65,18 +64,22 @@ Row table_row(const std::string& name, const OrderedJson& agent, double unit) {
           gain(agent, unit)};
 }
 
-/// The first column to the left, numbers to the right.
-std::string aligned(const std::vector<Row>& rows) {
-  std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const Row& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  std::string text;
-  for (const Row& row : rows) {
-    std::string line = fmt::format("  {:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
-    text += line + '\n';
-  }
-  return text;
+TextTable condition_table(const OrderedJson& condition) {
+  const bool throughput = condition.at("qos_unit") == "kbit/s";
+  TextTable table({{"agent"},
+                   {"trials", 5},
+                   {throughput ? "Mbit/s" : "bit/s/Hz"},
+                   {"[95 %]", 1},
+                   {"median", 7},
+                   {"[quartiles]", 8},
+                   {"height m", 2},
+                   {"changes", 6},
+                   {"handovers", 3},
+                   {"kJ", 4},
+                   {"gain over min-height"}});
+  for (const auto& [name, agent] : condition.at("agents").items())
+    table.add(table_row(name, agent, throughput ? 1000.0 : 1.0));
+  return table;
 }
 
 template <typename Predicate>
@@ -122,22 +125,24 @@ std::string summary_csv(const OrderedJson& summary) {
   return text;
 }
 
-std::string summary_table(const OrderedJson& summary) {
-  std::string text = fmt::format("{} (seed {}): mean over the flight, then over trials; [95 % interval]\n",
-                                 summary.at("experiment").get<std::string>(), summary.at("seed").dump());
+std::string summary_table(const OrderedJson& summary, const TableShape& shape) {
+  const auto line = [&](const std::string& text) { return wrapped(text, shape.width); };
+  std::string text = line(fmt::format("{} (seed {}): mean over the flight, then over trials; [95 % interval]",
+                                      summary.at("experiment").get<std::string>(), summary.at("seed").dump()));
   if (has_agent(summary, [](const OrderedJson& agent) { return agent["privilege"] != "none"; }))
-    text += fmt::format("Privileged: {}.\n", agents::marks_explained());
+    text += line(fmt::format("Privileged: {}.", agents::marks_explained()));
   if (has_agent(summary, [](const OrderedJson& agent) { return agent["trials"] > 0 && agent["qos_ci95"].is_null(); }))
-    text += "No interval: there is one flight, or all flights gave the same.\n";
+    text += line("No interval: there is one flight, or all flights gave the same.");
+  std::vector<TextTable> tables;
+  unsigned rank = TextTable::every_rank;  // the same columns in all conditions
   for (const OrderedJson& condition : summary.at("conditions")) {
-    const bool throughput = condition.at("qos_unit") == "kbit/s";
-    const double unit = throughput ? 1000.0 : 1.0;
-    std::vector<Row> rows{{"agent", "trials", throughput ? "Mbit/s" : "bit/s/Hz", "[95 %]", "median", "[quartiles]",
-                           "height m", "changes", "handovers", "kJ", "gain over min-height"}};
-    for (const auto& [name, agent] : condition.at("agents").items()) rows.push_back(table_row(name, agent, unit));
-    text += fmt::format("\n{}\n{}", condition.at("name").get<std::string>(), aligned(rows));
+    tables.push_back(condition_table(condition));
+    rank = std::min(rank, tables.back().fitting_rank(shape));
   }
-  return text;
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    text += '\n' + line(summary.at("conditions")[i].at("name").get<std::string>()) + tables[i].text(shape, rank);
+  const std::string left_out = tables.empty() ? "" : tables.front().left_out(rank, shape);
+  return left_out.empty() ? text : text + '\n' + left_out;
 }
 
 }  // namespace aloft::experiment

@@ -18,14 +18,33 @@ namespace {
 
 constexpr agents::TrainingWorlds made_for = agents::training_worlds;
 
-void check_range(std::vector<std::string>& differences, std::string_view what, double value, double low, double high) {
+/// In what a world differs from those of training; the same of several worlds is told as one.
+struct Difference {
+  std::string what;
+  std::string expected;
+  std::string value{};  ///< of something that is no number
+  double least = 0.0;   ///< of a number, over all worlds
+  double most = 0.0;
+
+  [[nodiscard]] std::string text() const {
+    const std::string range = least == most ? fmt::format("{:g}", least) : fmt::format("{:g} to {:g}", least, most);
+    return fmt::format("{} {} instead of {}", what, value.empty() ? range : value, expected);
+  }
+  [[nodiscard]] bool same_but_for_its_number(const Difference& other) const {
+    return what == other.what && value == other.value;
+  }
+};
+using Differences = std::vector<Difference>;
+
+void check_range(Differences& differences, std::string_view what, double value, double low, double high) {
   if (value < low || value > high)
-    differences.push_back(fmt::format("{} {:g} instead of {:g} to {:g}", what, value, low, high));
+    differences.push_back(
+        {.what = std::string(what), .expected = fmt::format("{:g} to {:g}", low, high), .least = value, .most = value});
 }
 
 /// How a generated world differs from those of training.
-std::vector<std::string> differences_of(const Parameters& world) {
-  std::vector<std::string> differences;
+Differences differences_of(const Parameters& world) {
+  Differences differences;
   check_range(differences, "bs_density_per_km2", world.number("bs_density_per_km2"), made_for.bs_density_min_per_km2,
               made_for.bs_density_max_per_km2);
   check_range(differences, "building_density_per_km2", world.number("building_density_per_km2"),
@@ -37,15 +56,44 @@ std::vector<std::string> differences_of(const Parameters& world) {
   const nlohmann::json published = radio::resolve_generated_world(nlohmann::json::object(), "").to_json();
   for (const auto& [key, value] : published.items())
     if (std::find(elsewhere.begin(), elsewhere.end(), key) == elsewhere.end() && here.at(key) != value)
-      differences.push_back(fmt::format("{} {} instead of {}", key, here.at(key).dump(), value.dump()));
+      differences.push_back({.what = key, .expected = value.dump(), .value = here.at(key).dump()});
   return differences;
 }
 
-std::vector<std::string> differences_of(const world::MeasuredFlight& flight) {
-  std::vector<std::string> differences;
+Differences differences_of(const world::MeasuredFlight& flight) {
+  Differences differences;
   check_range(differences, "heights", flight.heights, made_for.measured_levels_min, made_for.measured_levels_max);
   check_range(differences, "steps", flight.steps, made_for.measured_steps_min, made_for.measured_steps_max);
   return differences;
+}
+
+/// Conditions that are told together.
+struct Group {
+  Differences differences;
+  std::vector<std::string> conditions;
+};
+
+void add(std::vector<Group>& groups, const Differences& differences, const std::string& condition) {
+  const auto same = [&](const Group& group) {
+    return std::equal(group.differences.begin(), group.differences.end(), differences.begin(), differences.end(),
+                      [](const Difference& a, const Difference& b) { return a.same_but_for_its_number(b); });
+  };
+  auto group = std::find_if(groups.begin(), groups.end(), same);
+  if (group == groups.end()) group = groups.insert(groups.end(), {differences, {}});
+  group->conditions.push_back(condition);
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    group->differences[i].least = std::min(group->differences[i].least, differences[i].least);
+    group->differences[i].most = std::max(group->differences[i].most, differences[i].most);
+  }
+}
+
+/// "condition 'a'", "conditions 'a', 'b', 'c' and 7 more".
+std::string named(const std::vector<std::string>& conditions) {
+  constexpr std::size_t told = 3;
+  std::vector<std::string> quoted;
+  for (std::size_t i = 0; i < std::min(told, conditions.size()); ++i) quoted.push_back("'" + conditions[i] + "'");
+  return fmt::format("condition{} {}{}", conditions.size() == 1 ? "" : "s", fmt::join(quoted, ", "),
+                     conditions.size() > told ? fmt::format(" and {} more", conditions.size() - told) : "");
 }
 
 std::optional<world::MeasuredFlight> readable_flight(const Condition& condition) {
@@ -60,23 +108,29 @@ std::optional<world::MeasuredFlight> readable_flight(const Condition& condition)
 }  // namespace
 
 std::vector<Warning> warnings(const Experiment& experiment) {
-  std::vector<Warning> found;
+  std::vector<Group> untrained;
+  std::vector<std::string> without_cells;
   for (const Condition& condition : experiment.conditions) {
     const std::optional<world::MeasuredFlight> flight = readable_flight(condition);
-    std::vector<std::string> differences;
+    Differences differences;
     if (condition.kind == WorldKind::generated) differences = differences_of(condition.world);
     if (flight) differences = differences_of(*flight);
-    for (const agents::AgentSpec& spec : experiment.agents)
-      if (agents::agent_type(spec.type).trained_beforehand && !differences.empty())
-        found.push_back(
-            {spec.name, fmt::format("agent '{}': its model was not made for condition '{}': {}; expect less "
-                                    "of it there",
-                                    spec.name, condition.name, fmt::join(differences, ", "))});
-    if (flight && flight->serving_cell.empty() && experiment.costs.handover_cost > 0.0)
-      found.push_back({"", fmt::format("condition '{}': the measured flight has no serving_cell, so handover_cost is "
-                                       "never charged there",
-                                       condition.name)});
+    if (!differences.empty()) add(untrained, differences, condition.name);
+    if (flight && flight->serving_cell.empty()) without_cells.push_back(condition.name);
   }
+  std::vector<Warning> found;
+  for (const agents::AgentSpec& spec : experiment.agents) {
+    if (!agents::agent_type(spec.type).trained_beforehand) continue;
+    for (const Group& group : untrained) {
+      std::vector<std::string> texts;
+      for (const Difference& difference : group.differences) texts.push_back(difference.text());
+      found.push_back({spec.name, fmt::format("agent '{}': its model was not made for {}: {}; expect less of it there",
+                                              spec.name, named(group.conditions), fmt::join(texts, ", "))});
+    }
+  }
+  if (!without_cells.empty() && experiment.costs.handover_cost > 0.0)
+    found.push_back({"", fmt::format("{}: a measured flight without serving_cell, so handover_cost is never charged",
+                                     named(without_cells))});
   return found;
 }
 

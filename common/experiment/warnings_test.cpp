@@ -56,6 +56,16 @@ TEST_CASE("worlds like those of training give no warning, others name every diff
   CHECK_THAT(dense[1].text, Contains("bs_density_per_km2 8 instead of 1 to 5"));
 }
 
+TEST_CASE("the same warning about several conditions is one") {
+  const auto sweep = warnings(over(R"({"bs_density_per_km2": [6, 7, 8, 9, 10, 11, 12, 13, 14, 15]})"));
+  REQUIRE(sweep.size() == 1);
+  CHECK_THAT(sweep[0].text,
+             Contains("conditions 'bs_density_per_km2=6', 'bs_density_per_km2=7', "
+                      "'bs_density_per_km2=8' and 7 more: bs_density_per_km2 6 to 15 instead of 1 to 5"));
+  // What differs in kind is told apart.
+  CHECK(warnings(over(R"({"bs_density_per_km2": [6, 7], "los_ray": ["published", "geometric"]})")).size() == 2);
+}
+
 TEST_CASE("measured flights: size, and costs that they cannot charge") {
   const Folder folder;
   const auto file = folder.path / "flight.csv";
@@ -65,7 +75,7 @@ TEST_CASE("measured flights: size, and costs that they cannot charge") {
   const auto costs = warnings(over(world, R"("handover_cost": 1, )"));
   REQUIRE(costs.size() == 1);
   CHECK(costs[0].agent.empty());
-  CHECK_THAT(costs[0].text, Contains("no serving_cell"));
+  CHECK_THAT(costs[0].text, Contains("without serving_cell"));
   write_text_file(file, flight_csv(12, 3));
   const auto small = warnings(over(world));
   REQUIRE(small.size() == 1);

@@ -17,6 +17,9 @@ struct Introspection {
   std::array<double, 3> q_values{};  ///< down, hold, up
 };
 
+/// The same; nothing if a number is not finite, as with a network that has diverged: nobody stores or sends that.
+[[nodiscard]] std::optional<Introspection> showable(const std::optional<Introspection>& thoughts) noexcept;
+
 struct Command {
   Action action = Action::hold;
   double height_m = 0.0;  ///< only with Action::absolute

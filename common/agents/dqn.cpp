@@ -7,6 +7,7 @@
 
 #include "common/agents/registry.hpp"
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 
 namespace aloft::agents {
 namespace {
@@ -97,11 +98,11 @@ Dqn::Dqn(const Parameters& parameters)
   if (parameters.integer("hidden_width") % 8 != 0)
     throw InputError(fmt::format("agent dqn: hidden_width {} is not allowed; use a multiple of 8 from 8 to 1024",
                                  parameters.integer("hidden_width")));
-  if (lifelong_ && memory_bytes(parameters) > max_memory_bytes)
+  if (lifelong_ && memory_bytes(parameters) > limits::memory_bytes)
     throw InputError(
         fmt::format("agent dqn: memory 'lifelong' would carry {} bytes from flight to flight, at most {} are possible; "
                     "make hidden_width, hidden_layers or replay_capacity smaller",
-                    memory_bytes(parameters), max_memory_bytes));
+                    memory_bytes(parameters), limits::memory_bytes));
 }
 
 void Dqn::begin(const FlightInfo& flight) {

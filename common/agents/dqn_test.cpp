@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "common/agents/conformance.hpp"
 #include "common/agents/registry.hpp"
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 
 using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test of this namespace
 using Json = nlohmann::json;
@@ -216,7 +218,7 @@ TEST_CASE("memory carried as bytes from flight to flight is the memory of one ag
       CHECK(fly(heir, Hill(4, trial)).actions == fly(flies_on, Hill(4, trial)).actions);
       memory = heir.save_state();
       CHECK(memory == flies_on.save_state());
-      CHECK(memory.size() < max_memory_bytes);
+      CHECK(memory.size() < aloft::limits::memory_bytes);
     }
   }
 }
@@ -257,6 +259,20 @@ TEST_CASE("it learns from the executed action, whoever commanded it") {
   const Command after = silent.act();
   CHECK(after.introspection.value().q_values == asked.act().introspection.value().q_values);
   CHECK(after.introspection.value().loss > 0.0);
+}
+
+TEST_CASE("what a diverged network thinks is not shown") {
+  const Introspection fine{.epsilon = 0.5, .loss = 1.0, .q_values = {1.0, -2.0, 3.0}};
+  CHECK(showable(fine).value().q_values == fine.q_values);
+  CHECK_FALSE(showable(std::nullopt));
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Introspection thoughts = fine;
+    thoughts.loss = bad;
+    CHECK_FALSE(showable(thoughts));
+    thoughts = fine;
+    thoughts.q_values[1] = -bad;
+    CHECK_FALSE(showable(thoughts));
+  }
 }
 
 TEST_CASE("impossible settings and worlds are refused") {

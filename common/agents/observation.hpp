@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/limits.hpp"
+
 namespace aloft::agents {
 
-inline constexpr std::size_t max_neighbours = 5;
+inline constexpr std::size_t max_neighbours = limits::neighbours;
 
 enum class QosKind : std::uint8_t {
   spectral_efficiency,  ///< bit/s/Hz

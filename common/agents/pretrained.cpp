@@ -14,6 +14,7 @@
 #include "common/agents/training_worlds.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
 
 namespace aloft::agents {
 namespace {
@@ -182,7 +183,7 @@ nlohmann::json provenance() {
                        worlds.measured_levels_min, worlds.measured_levels_max, worlds.measured_steps_min,
                        worlds.measured_steps_max)},
           {"made_by", "aloft train pretrained --config data/models/pretrained.json"},
-          {"training_config", nlohmann::json::parse(model.training_config)}};
+          {"training_config", nlohmann::json(parse_json(model.training_config, "the training's configuration"))}};
 }
 
 const bool pretrained_registered = register_agent(

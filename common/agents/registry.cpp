@@ -11,14 +11,13 @@
 
 #include "common/agents/relay.hpp"
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
 
 namespace aloft::agents {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::size_t max_name_length = 64;
 
 /// Filled while the program starts, by every agent file for itself, in any order.
 std::vector<AgentType>& registered_types() {
@@ -44,9 +43,9 @@ bool is_name_character(char c) {
 }
 
 void check_name(const std::string& name, const AgentType& type, std::string_view where) {
-  if (name.empty() || name.size() > max_name_length || !std::all_of(name.begin(), name.end(), is_name_character))
+  if (name.empty() || name.size() > limits::name_bytes || !std::all_of(name.begin(), name.end(), is_name_character))
     throw InputError(fmt::format("{}: agent name \"{}\" is not allowed; use 1 to {} characters of a-z, 0-9, '.', '-'",
-                                 where, name, max_name_length));
+                                 where, name, limits::name_bytes));
   const AgentType* other = find_type(name);
   if (other != nullptr && other != &type)
     throw InputError(

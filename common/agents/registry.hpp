@@ -14,9 +14,6 @@
 
 namespace aloft::agents {
 
-/// The largest Agent::save_state that can be carried from flight to flight, by databases and on the bus.
-inline constexpr std::size_t max_memory_bytes = 16U << 20U;
-
 /// Facts about one type of agent.
 struct AgentType {
   std::string name;           ///< as in experiment files, e.g. "one-step-ahead"

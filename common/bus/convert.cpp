@@ -1,6 +1,7 @@
 #include "common/bus/convert.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 namespace aloft::bus {
@@ -68,8 +69,9 @@ void put(wire::ChannelReport& report, const agents::Observation& observation) {
 void put(wire::HeightCommand& message, const agents::Command& command) {
   message.action(to_wire(command.action));
   message.height_m(command.height_m);
-  message.has_introspection(command.introspection.has_value());
-  const agents::Introspection introspection = command.introspection.value_or(agents::Introspection{});
+  const std::optional<agents::Introspection> thoughts = agents::showable(command.introspection);
+  message.has_introspection(thoughts.has_value());
+  const agents::Introspection introspection = thoughts.value_or(agents::Introspection{});
   message.epsilon(introspection.epsilon);
   message.loss(introspection.loss);
   message.q_values(introspection.q_values);

@@ -1,6 +1,7 @@
 #include "common/bus/endpoint.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <idl/controlPubSubTypes.h>
 #include <idl/flightPubSubTypes.h>
 #include <idl/recordPubSubTypes.h>
@@ -156,6 +157,7 @@ struct Reader<T>::State {
   dds::DataReader* reader = nullptr;
   DropCounter* drops = nullptr;
   std::string experiment;
+  rtps::GUID_t sender;
   T scratch;
 
   ~State() {
@@ -191,7 +193,9 @@ Reader<T>::Reader(const Participant& participant) : state_(std::make_unique<Stat
   auto& entry = state_->participant->template topic<typename TypeSupportOf<T>::Type>(state_->settings);
   state_->drops = entry.drops.get();
   dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
-  apply(state_->settings, qos);
+  TopicSettings settings = state_->settings;
+  settings.depth += settings.spare;
+  apply(settings, qos);
   state_->reader = state_->subscriber->create_datareader(entry.topic, qos);
   if (state_->reader == nullptr)
     throw std::runtime_error(not_created("reader", state_->settings, state_->participant->options));
@@ -210,7 +214,10 @@ template <class T>
 bool Reader<T>::take(T& sample) {
   dds::SampleInfo info;
   while (state_->reader->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK)
-    if (info.valid_data && state_->good(sample)) return true;
+    if (info.valid_data && state_->good(sample)) {
+      state_->sender = info.sample_identity.writer_guid();
+      return true;
+    }
   return false;
 }
 
@@ -229,6 +236,11 @@ std::size_t Reader<T>::matched() const {
 template <class T>
 Drops Reader<T>::drops() const {
   return state_->drops->drops();
+}
+
+template <class T>
+std::string Reader<T>::sender() const {
+  return fmt::format("{} ({})", Neighbourhood::name_of(state_->sender.guidPrefix), fmt::streamed(state_->sender));
 }
 
 template <class T>

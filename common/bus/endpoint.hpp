@@ -71,6 +71,8 @@ class Reader {
   /// Writers known now.
   [[nodiscard]] std::size_t matched() const;
   [[nodiscard]] Drops drops() const;
+  /// Who wrote the sample that was taken last, as it says: its name, its address, and an id that no two writers share.
+  [[nodiscard]] std::string sender() const;
   /// Counts and logs a sample that only the caller could tell to be bad.
   void drop(const char* why);
 

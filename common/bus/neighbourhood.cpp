@@ -17,6 +17,13 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
+/// As the middleware writes it.
+std::string text(const rtps::GuidPrefix_t& participant) {
+  std::ostringstream stream;
+  stream << participant;
+  return stream.str();
+}
+
 /// Everybody whom this process has heard of, by the text that the middleware writes for a participant in its log.
 class Acquaintances {
  public:
@@ -45,12 +52,6 @@ class Acquaintances {
     bool refused = false;
   };
   static constexpr std::size_t max_known = 4096;
-
-  static std::string text(const rtps::GuidPrefix_t& participant) {
-    std::ostringstream stream;
-    stream << participant;
-    return stream.str();
-  }
 
   std::mutex mutex_;
   std::map<std::string, Acquaintance> known_;
@@ -140,6 +141,10 @@ std::vector<std::string> Neighbourhood::runs() const {
   std::set<std::string> names;
   for (const auto& [writer, run] : runs_) names.insert(run);
   return {names.begin(), names.end()};
+}
+
+std::string Neighbourhood::name_of(const rtps::GuidPrefix_t& participant) {
+  return acquaintances().name(text(participant));
 }
 
 std::string refusal_in_words(const std::string& message) {

@@ -26,6 +26,8 @@ class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
   [[nodiscard]] Reunion& reunion() noexcept { return reunion_; }
   /// Names of the runs of which a writer is known, sorted.
   [[nodiscard]] std::vector<std::string> runs() const;
+  /// "'aloft-channel-w0' at 10.0.0.7", as it says.
+  [[nodiscard]] static std::string name_of(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
 
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;

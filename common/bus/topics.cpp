@@ -1,13 +1,16 @@
 #include "common/bus/topics.hpp"
 
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 
 namespace aloft::bus {
 namespace {
 
-// Streams of a worker: agents of an experiment (at most 64) times lanes.
-constexpr int max_streams = 1024;
-constexpr int max_workers = 1024;
+constexpr int max_streams = limits::streams;
+constexpr int all_steps = limits::steps;
+constexpr int max_workers = limits::workers;
+// Of a stranger's RunControl beside the coordinator's, for which a process that starts late waits.
+constexpr int strangers_samples = 15;
 
 constexpr Roles coordinator = Role::coordinator;
 constexpr Roles metrics = Role::metrics;
@@ -23,7 +26,7 @@ constexpr Roles everyone = coordinator | metrics | environment | channel | agent
 
 // clang-format off
 //                                                                                                                     name               writers       readers                                                        scope              tr.loc depth  keys         exclusive
-template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      coordinator,  everyone,                                                      Scope::run,        true,  1,     1,           false}; return row; }
+template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      coordinator,  everyone,                                                      Scope::run,        true,  1,     1,           false, strangers_samples}; return row; }
 template <> const TopicSettings& topic_settings<wire::TrialAssignment>() noexcept { static constexpr TopicSettings row{"TrialAssignment", coordinator,  environment,                                                   Scope::run,        true,  64,    max_workers, false}; return row; }
 template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept    { static constexpr TopicSettings row{"WorkerStatus",    channel,      coordinator | metrics | environment | observer | run_operator, Scope::run,        true,  1,     max_workers, false}; return row; }
 template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       coordinator,  metrics | observer,                                            Scope::run,        true,  1,     1,           false}; return row; }
@@ -41,7 +44,7 @@ template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept 
 template <> const TopicSettings& topic_settings<wire::ReportFollowed>() noexcept  { static constexpr TopicSettings row{"ReportFollowed",  agents,       channel,                                                       Scope::worker,     false, 1024,  1,           false}; return row; }
 template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     agents,       channel,                                                       Scope::worker,     true,  1,     max_streams, false}; return row; }
 template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    agents,       channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,      baseline_agent,                                                Scope::privileged, false, 16384, max_streams, false}; return row; }
+template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,      baseline_agent,                                                Scope::privileged, false, all_steps, max_streams, false}; return row; }
 // clang-format on
 
 std::string_view to_text(Role role) noexcept {

@@ -54,6 +54,7 @@ struct TopicSettings {
   int depth = 1;                 ///< samples kept per key; the oldest gives way, so that write() never waits
   int keys = 1;                  ///< live keys; 1: the type has no key
   bool exclusive = false;        ///< only the strongest live writer of a key is heard; it proves life every 500 ms
+  int spare = 0;                 ///< samples per key that readers keep beyond `depth`: one writer displaces no other's
 };
 
 /// The row of a wire type.

@@ -4,41 +4,26 @@
 #include <cmath>
 #include <span>
 
+#include "common/base/limits.hpp"
 #include "common/bus/topics.hpp"
 
 namespace aloft::bus {
 namespace {
 
-// Bounds of idl/*.idl that the generated C++ code does not enforce.
-constexpr std::size_t max_agents = 64;
-constexpr std::size_t max_leases = 64;
-constexpr std::size_t max_experiment_bytes = 1048576;
-constexpr std::size_t max_trace_bytes = 4194304;
-constexpr std::size_t max_memory_bytes = 16777216;
-constexpr std::size_t max_base_stations = 131072;
-constexpr std::size_t max_cells = 1048576;
-constexpr std::size_t max_neighbours = 5;
-constexpr std::size_t max_profile = 4096;
-constexpr std::uint32_t max_steps = 16384;
-constexpr double max_height_m = 100e3;
-constexpr double max_distance_m = 1e6;
-constexpr double max_level_db = 1e4;
-constexpr double max_quality = 1e9;
-
 bool within(double value, double low, double high) noexcept {
   return value >= low && value <= high;
 }
 bool height(double value) noexcept {
-  return within(value, -max_height_m, max_height_m);
+  return within(value, -limits::height_m, limits::height_m);
 }
 bool distance(double value) noexcept {
-  return within(value, -max_distance_m, max_distance_m);
+  return within(value, -limits::distance_m, limits::distance_m);
 }
 bool level(double value) noexcept {
-  return within(value, -max_level_db, max_level_db);
+  return within(value, -limits::level_db, limits::level_db);
 }
 bool quality(double value) noexcept {
-  return within(value, -max_quality, max_quality);
+  return within(value, -limits::quality, limits::quality);
 }
 
 bool all(std::span<const double> values, bool (*good)(double) noexcept) noexcept {
@@ -51,13 +36,13 @@ bool up_to(Enum value, Enum last) noexcept {
 }
 
 const char* city_error(const wire::City& city) noexcept {
-  if (!within(city.window_m(), 1.0, max_distance_m)) return "city.window_m out of range";
+  if (!within(city.window_m(), 1.0, limits::distance_m)) return "city.window_m out of range";
   if (!height(city.base_station_height_m())) return "city.base_station_height_m out of range";
-  if (!within(city.building_width_m(), 0.0, max_distance_m)) return "city.building_width_m out of range";
+  if (!within(city.building_width_m(), 0.0, limits::distance_m)) return "city.building_width_m out of range";
   if (city.base_stations().empty()) return "city.base_stations is empty";
-  if (city.base_stations().size() > max_base_stations) return "city.base_stations too long";
+  if (city.base_stations().size() > limits::base_stations) return "city.base_stations too long";
   if ((city.buildings_x() == 0) != (city.buildings_y() == 0)) return "city.buildings_x or buildings_y is 0";
-  if (city.building_height_m().size() > max_cells) return "city.building_height_m too long";
+  if (city.building_height_m().size() > limits::cells) return "city.building_height_m too long";
   if (std::uint64_t{city.buildings_x()} * city.buildings_y() != city.building_height_m().size())
     return "city.building_height_m is not buildings_x * buildings_y long";
   if (!all(city.building_height_m(), height)) return "city.building_height_m out of range";
@@ -68,10 +53,12 @@ const char* city_error(const wire::City& city) noexcept {
 
 const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
   const std::uint64_t cells = std::uint64_t{flight.heights()} * flight.steps();
-  if (flight.steps() < 1 || flight.steps() > max_steps) return "measured.steps out of range";
-  if (flight.heights() < 1 || cells > max_cells) return "measured.heights out of range";
+  if (flight.steps() < 1 || flight.steps() > limits::steps) return "measured.steps out of range";
+  if (flight.heights() < 1 || flight.heights() > limits::heights || cells > limits::cells)
+    return "measured.heights out of range";
   if (!height(flight.height_min_m())) return "measured.height_min_m out of range";
-  if (!within(flight.height_step_m(), 1e-3, max_height_m)) return "measured.height_step_m out of range";
+  if (!within(flight.height_step_m(), limits::height_step_min_m, limits::height_m))
+    return "measured.height_step_m out of range";
   if (flight.throughput_kbps().size() != cells) return "measured.throughput_kbps is not steps * heights long";
   if (flight.sinr_db().size() != cells) return "measured.sinr_db is not steps * heights long";
   if (!flight.serving_cell().empty() && flight.serving_cell().size() != cells)
@@ -87,15 +74,15 @@ bool stream(std::uint32_t value) noexcept {
 
 const char* memory_error(const std::vector<std::uint8_t>& memory) noexcept {
   if (memory.empty()) return "memory is empty";
-  return memory.size() > max_memory_bytes ? "memory too long" : nullptr;
+  return memory.size() > limits::memory_bytes ? "memory too long" : nullptr;
 }
 
 const char* limits_error(const wire::ChannelReport& report) noexcept {
   if (!up_to(report.qos_kind(), wire::QOS_THROUGHPUT)) return "unknown qos_kind";
   if (!height(report.height_min_m())) return "height_min_m out of range";
-  if (!within(report.height_max_m(), report.height_min_m(), max_height_m)) return "height_max_m out of range";
-  if (!within(report.height_step_m(), 1e-3, max_height_m)) return "height_step_m out of range";
-  if (report.steps() < 1 || report.steps() > max_steps) return "steps out of range";
+  if (!within(report.height_max_m(), report.height_min_m(), limits::height_m)) return "height_max_m out of range";
+  if (!within(report.height_step_m(), limits::height_step_min_m, limits::height_m)) return "height_step_m out of range";
+  if (report.steps() < 1 || report.steps() > limits::steps) return "steps out of range";
   return nullptr;
 }
 
@@ -103,24 +90,24 @@ const char* limits_error(const wire::ChannelReport& report) noexcept {
 
 const char* validate(const wire::RunControl& sample) noexcept {
   if (!up_to(sample.state(), wire::RUN_FAILED)) return "unknown state";
-  if (sample.experiment_json().size() > max_experiment_bytes) return "experiment_json too long";
+  if (sample.experiment_json().size() > limits::experiment_bytes) return "experiment_json too long";
   return nullptr;
 }
 
 const char* validate(const wire::TrialAssignment& sample) noexcept {
   if (wire::view(sample.worker()).empty()) return "worker is empty";
-  if (sample.agents().size() > max_agents) return "agents too long";
+  if (sample.agents().size() > limits::agents) return "agents too long";
   if (sample.agents().empty() != sample.cancelled()) return "agents must be empty if cancelled, and only then";
   return nullptr;
 }
 
 const char* validate(const wire::WorkerStatus& sample) noexcept {
   if (wire::view(sample.worker()).empty()) return "worker is empty";
-  if (sample.capacity() > max_leases) return "capacity out of range";
-  if (sample.leases().size() > max_leases) return "leases too long";
-  if (sample.failures().size() > max_leases) return "failures too long";
-  if (sample.agents().size() > max_agents) return "agents too long";
-  if (sample.flies_only().size() > max_agents) return "flies_only too long";
+  if (sample.capacity() > limits::leases) return "capacity out of range";
+  if (sample.leases().size() > limits::leases) return "leases too long";
+  if (sample.failures().size() > limits::failures_told) return "failures too long";
+  if (sample.agents().size() > limits::agents_told) return "agents too long";
+  if (sample.flies_only().size() > limits::agents) return "flies_only too long";
   if (!within(sample.answer_s(), 0.0, 1e12)) return "answer_s out of range";
   for (const wire::AgentNews& agent : sample.agents()) {
     if (!up_to(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
@@ -139,8 +126,8 @@ const char* validate(const wire::RunStatus& sample) noexcept {
 const char* validate(const wire::EpisodeRecord& sample) noexcept {
   if (wire::view(sample.agent()).empty()) return "agent is empty";
   if (sample.trace().empty()) return "trace is empty";
-  if (sample.trace().size() > max_trace_bytes) return "trace too long";
-  if (sample.agent_memory().size() > max_memory_bytes) return "agent_memory too long";
+  if (sample.trace().size() > limits::trace_bytes) return "trace too long";
+  if (sample.agent_memory().size() > limits::memory_bytes) return "agent_memory too long";
   return nullptr;
 }
 
@@ -171,7 +158,7 @@ const char* validate(const wire::CollectorStatus& sample) noexcept {
 }
 
 const char* validate(const wire::World& sample) noexcept {
-  if (sample.agents().size() > max_agents) return "agents too long";
+  if (sample.agents().size() > limits::agents) return "agents too long";
   switch (sample.kind()) {
     case wire::WORLD_CITY:
       return city_error(sample.city());
@@ -191,17 +178,17 @@ const char* validate(const wire::ChannelReport& sample) noexcept {
   if (!distance(sample.x_m()) || !distance(sample.y_m())) return "position out of range";
   if (!height(sample.height_m())) return "height_m out of range";
   if (!level(sample.serving_sinr_db())) return "serving_sinr_db out of range";
-  if (sample.neighbour_sinr_db().size() > max_neighbours) return "neighbour_sinr_db too long";
+  if (sample.neighbour_sinr_db().size() > limits::neighbours) return "neighbour_sinr_db too long";
   if (!all(sample.neighbour_sinr_db(), level)) return "neighbour_sinr_db out of range";
   if (!quality(sample.qos())) return "qos out of range";
-  if (!quality(sample.reward())) return "reward out of range";
+  if (!within(sample.reward(), -limits::reward, limits::reward)) return "reward out of range";
   if (!up_to(sample.executed(), wire::ACTION_ABSOLUTE)) return "unknown executed action";
   return nullptr;
 }
 
 const char* validate(const wire::HeightCommand& sample) noexcept {
   if (!stream(sample.stream())) return "stream out of range";
-  if (sample.step() < 1 || sample.step() > max_steps) return "step out of range";
+  if (sample.step() < 1 || sample.step() > limits::steps) return "step out of range";
   if (sample.action() == wire::ACTION_NONE || !up_to(sample.action(), wire::ACTION_UNKNOWN_FLIGHT))
     return "unknown action";
   if (!height(sample.height_m())) return "height_m out of range";
@@ -212,12 +199,13 @@ const char* validate(const wire::HeightCommand& sample) noexcept {
 }
 
 const char* validate(const wire::ReportFollowed& sample) noexcept {
-  if (sample.step() > max_steps) return "step out of range";
+  if (!stream(sample.stream())) return "stream out of range";
+  if (sample.step() > limits::steps) return "step out of range";
   return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
 }
 
 const char* validate(const wire::SwapRequest& sample) noexcept {
-  if (sample.from_step() > max_steps) return "from_step out of range";
+  if (sample.from_step() > limits::steps) return "from_step out of range";
   return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
 }
 
@@ -234,10 +222,10 @@ const char* validate(const wire::AgentStatus& sample) noexcept {
 
 const char* validate(const wire::HeightProfile& sample) noexcept {
   if (!stream(sample.stream())) return "stream out of range";
-  if (sample.step() < 1 || sample.step() > max_steps) return "step out of range";
+  if (sample.step() < 1 || sample.step() > limits::steps) return "step out of range";
   if (!height(sample.height_min_m())) return "height_min_m out of range";
-  if (!within(sample.resolution_m(), 1e-3, max_height_m)) return "resolution_m out of range";
-  if (sample.qos().empty() || sample.qos().size() > max_profile) return "qos has a wrong length";
+  if (!within(sample.resolution_m(), limits::height_step_min_m, limits::height_m)) return "resolution_m out of range";
+  if (sample.qos().empty() || sample.qos().size() > limits::heights) return "qos has a wrong length";
   if (!all(sample.qos(), quality)) return "qos out of range";
   return nullptr;
 }

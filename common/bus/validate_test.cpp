@@ -1,12 +1,20 @@
-// Every limit of the wire: a good sample of each type, and each way to spoil it.
+// Every limit of the wire: a good sample of each topic, and each way to spoil it.
 #include "common/bus/validate.hpp"
 
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "common/base/limits.hpp"
+#include "common/bus/topics.hpp"
+#include "tests/paths.hpp"
 
 namespace aloft {
 namespace {
@@ -14,13 +22,19 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// What the refusal must name, and how a good sample becomes a bad one.
 template <class T>
 using Spoilers = std::vector<std::pair<const char*, std::function<void(T&)>>>;
+
+/// good() and spoilers() of a topic's type. A topic without them does not compile.
+template <class T>
+struct Limits;
 
 template <class T>
 void check(const T& good, const Spoilers<T>& spoilers) {
   const char* error = bus::validate(good);
   CHECK(error == nullptr);
+  CHECK_FALSE(spoilers.empty());
   for (const auto& [expected, spoil] : spoilers) {
     T bad = good;
     spoil(bad);
@@ -31,95 +45,371 @@ void check(const T& good, const Spoilers<T>& spoilers) {
   }
 }
 
+const std::string sha256(64, 'a');
+
+template <>
+struct Limits<wire::RunControl> {
+  static wire::RunControl good() {
+    wire::RunControl sample;
+    return sample;
+  }
+  static Spoilers<wire::RunControl> spoilers() {
+    return {{"state", [](auto& s) { s.state(static_cast<wire::RunState>(4)); }},
+            {"experiment_json", [](auto& s) { s.experiment_json().resize(limits::experiment_bytes + 1); }}};
+  }
+};
+
+template <>
+struct Limits<wire::TrialAssignment> {
+  static wire::TrialAssignment good() {
+    wire::TrialAssignment sample;
+    sample.worker("w0");
+    sample.agents({wire::name("dqn")});
+    return sample;
+  }
+  static Spoilers<wire::TrialAssignment> spoilers() {
+    return {{"worker", [](auto& s) { s.worker(""); }},
+            {"agents", [](auto& s) { s.agents().resize(limits::agents + 1); }},
+            {"agents", [](auto& s) { s.agents().clear(); }},
+            {"agents", [](auto& s) { s.cancelled(true); }}};
+  }
+};
+
+template <>
+struct Limits<wire::WorkerStatus> {
+  static wire::WorkerStatus good() {
+    wire::WorkerStatus sample;
+    sample.worker("w0");
+    sample.agents().resize(1);
+    sample.answer_s(2.5);
+    return sample;
+  }
+  static Spoilers<wire::WorkerStatus> spoilers() {
+    return {{"worker", [](auto& s) { s.worker(""); }},
+            {"capacity", [](auto& s) { s.capacity(limits::leases + 1); }},
+            {"leases", [](auto& s) { s.leases().resize(limits::leases + 1); }},
+            {"failures", [](auto& s) { s.failures().resize(limits::failures_told + 1); }},
+            {"agents", [](auto& s) { s.agents().resize(limits::agents_told + 1); }},
+            {"flies_only", [](auto& s) { s.flies_only().resize(limits::agents + 1); }},
+            {"answer_s", [](auto& s) { s.answer_s(nan); }},
+            {"answer_s", [](auto& s) { s.answer_s(-1e-9); }},
+            {"answer_s", [](auto& s) { s.answer_s(infinity); }},
+            {"state of an agent", [](auto& s) { s.agents()[0].state(static_cast<wire::AgentState>(4)); }},
+            {"silent_s", [](auto& s) { s.agents()[0].silent_s(-1); }},
+            {"silent_s", [](auto& s) { s.agents()[0].silent_s(nan); }}};
+  }
+};
+
+template <>
+struct Limits<wire::RunStatus> {
+  static wire::RunStatus good() {
+    wire::RunStatus sample;
+    return sample;
+  }
+  static Spoilers<wire::RunStatus> spoilers() {
+    return {{"state", [](auto& s) { s.state(static_cast<wire::RunState>(99)); }},
+            {"flights_per_s", [](auto& s) { s.flights_per_s(nan); }},
+            {"flights_per_s", [](auto& s) { s.flights_per_s(-1); }},
+            {"steps_per_s", [](auto& s) { s.steps_per_s(infinity); }}};
+  }
+};
+
+template <>
+struct Limits<wire::EpisodeRecord> {
+  static wire::EpisodeRecord good() {
+    wire::EpisodeRecord sample;
+    sample.agent("dqn");
+    sample.trace({1});
+    return sample;
+  }
+  static Spoilers<wire::EpisodeRecord> spoilers() {
+    return {{"agent", [](auto& s) { s.agent(""); }},
+            {"trace", [](auto& s) { s.trace().clear(); }},
+            {"trace", [](auto& s) { s.trace().resize(limits::trace_bytes + 1); }},
+            {"agent_memory", [](auto& s) { s.agent_memory().resize(limits::memory_bytes + 1); }}};
+  }
+};
+
+template <>
+struct Limits<wire::EpisodeStored> {
+  static wire::EpisodeStored good() {
+    wire::EpisodeStored sample;
+    sample.digest(sha256);
+    return sample;
+  }
+  static Spoilers<wire::EpisodeStored> spoilers() {
+    return {{"digest", [](auto& s) { s.digest(std::string(63, 'a')); }}};
+  }
+};
+
+template <>
+struct Limits<wire::RecordRefused> {
+  static wire::RecordRefused good() {
+    wire::RecordRefused sample;
+    sample.digest(sha256);
+    return sample;
+  }
+  static Spoilers<wire::RecordRefused> spoilers() {
+    return {{"digest", [](auto& s) { s.digest(""); }}};
+  }
+};
+
+template <>
+struct Limits<wire::FlightMemory> {
+  static wire::FlightMemory good() {
+    wire::FlightMemory sample;
+    sample.memory({1});
+    return sample;
+  }
+  static Spoilers<wire::FlightMemory> spoilers() {
+    return {{"stream", [](auto& s) { s.stream(limits::streams); }},
+            {"memory", [](auto& s) { s.memory().clear(); }},
+            {"memory", [](auto& s) { s.memory().resize(limits::memory_bytes + 1); }}};
+  }
+};
+
+template <>
+struct Limits<wire::MemoryRequest> {
+  static wire::MemoryRequest good() {
+    wire::MemoryRequest sample;
+    sample.agent("dqn");
+    return sample;
+  }
+  static Spoilers<wire::MemoryRequest> spoilers() {
+    return {{"agent", [](auto& s) { s.agent(""); }}};
+  }
+};
+
+template <>
+struct Limits<wire::StoredMemory> {
+  static wire::StoredMemory good() {
+    wire::StoredMemory sample;
+    sample.agent("dqn");
+    sample.memory({1});
+    return sample;
+  }
+  static Spoilers<wire::StoredMemory> spoilers() {
+    return {{"agent", [](auto& s) { s.agent(""); }},
+            {"memory", [](auto& s) { s.memory().clear(); }},
+            {"memory", [](auto& s) { s.memory().resize(limits::memory_bytes + 1); }}};
+  }
+};
+
+template <>
+struct Limits<wire::CollectorStatus> {
+  static wire::CollectorStatus good() {
+    wire::CollectorStatus sample;
+    return sample;
+  }
+  static Spoilers<wire::CollectorStatus> spoilers() {
+    return {{"state", [](auto& s) { s.state(static_cast<wire::CollectorState>(3)); }}};
+  }
+};
+
+template <>
+struct Limits<wire::World> {
+  static wire::World good() {
+    wire::World sample;
+    sample.agents({wire::name("dqn")});
+    sample.kind(wire::WORLD_CITY);
+    sample.city().window_m(1000);
+    sample.city().base_station_height_m(30);
+    sample.city().base_stations().resize(2);
+    sample.city().buildings_x(2);
+    sample.city().buildings_y(3);
+    sample.city().building_width_m(10);
+    sample.city().building_height_m({1, 2, 3, 4, 5, 6});
+    return sample;
+  }
+  static Spoilers<wire::World> spoilers() {
+    return {{"kind", [](auto& s) { s.kind(static_cast<wire::WorldKind>(4)); }},
+            {"agents", [](auto& s) { s.agents().resize(limits::agents + 1); }},
+            {"window_m", [](auto& s) { s.city().window_m(0); }},
+            {"window_m", [](auto& s) { s.city().window_m(nan); }},
+            {"base_station_height_m", [](auto& s) { s.city().base_station_height_m(infinity); }},
+            {"base_stations", [](auto& s) { s.city().base_stations().clear(); }},
+            {"buildings_x",
+             [](auto& s) {
+               s.city().buildings_y(0);
+               s.city().building_height_m().clear();
+             }},
+            {"base_stations", [](auto& s) { s.city().base_stations().resize(limits::base_stations + 1); }},
+            {"base_stations", [](auto& s) { s.city().base_stations()[1].y_m(nan); }},
+            {"building_width_m", [](auto& s) { s.city().building_width_m(-1); }},
+            {"building_height_m", [](auto& s) { s.city().building_height_m()[5] = nan; }},
+            {"building_height_m", [](auto& s) { s.city().building_height_m().pop_back(); }},
+            {"building_height_m", [](auto& s) {
+               s.city().buildings_x(0xFFFFFFFF);
+               s.city().buildings_y(0xFFFFFFFF);
+             }}};
+  }
+};
+
+template <>
+struct Limits<wire::ChannelReport> {
+  static wire::ChannelReport good() {
+    wire::ChannelReport sample;
+    sample.height_min_m(40);
+    sample.height_max_m(240);
+    sample.height_step_m(10);
+    sample.steps(100);
+    sample.step(100);
+    return sample;
+  }
+  static Spoilers<wire::ChannelReport> spoilers() {
+    return {{"stream", [](auto& s) { s.stream(limits::streams); }},
+            {"qos_kind", [](auto& s) { s.qos_kind(static_cast<wire::QosKind>(2)); }},
+            {"height_min_m", [](auto& s) { s.height_min_m(nan); }},
+            {"height_max_m", [](auto& s) { s.height_max_m(39); }},
+            {"height_step_m", [](auto& s) { s.height_step_m(0); }},
+            {"steps", [](auto& s) { s.steps(0); }},
+            {"steps", [](auto& s) { s.steps(limits::steps + 1); }},
+            {"step", [](auto& s) { s.step(101); }},
+            {"position", [](auto& s) { s.x_m(1e7); }},
+            {"position", [](auto& s) { s.y_m(nan); }},
+            {"height_m", [](auto& s) { s.height_m(infinity); }},
+            {"serving_sinr_db", [](auto& s) { s.serving_sinr_db(nan); }},
+            {"neighbour_sinr_db", [](auto& s) { s.neighbour_sinr_db().resize(6); }},
+            {"neighbour_sinr_db", [](auto& s) { s.neighbour_sinr_db({nan}); }},
+            {"qos", [](auto& s) { s.qos(nan); }},
+            {"reward", [](auto& s) { s.reward(-infinity); }},
+            {"executed", [](auto& s) { s.executed(static_cast<wire::Action>(5)); }}};
+  }
+};
+
+template <>
+struct Limits<wire::HeightCommand> {
+  static wire::HeightCommand good() {
+    wire::HeightCommand sample;
+    sample.step(1);
+    sample.action(wire::ACTION_UP);
+    return sample;
+  }
+  static Spoilers<wire::HeightCommand> spoilers() {
+    return {{"stream", [](auto& s) { s.stream(0xFFFFFFFF); }},
+            {"step", [](auto& s) { s.step(0); }},
+            {"step", [](auto& s) { s.step(limits::steps + 1); }},
+            {"action", [](auto& s) { s.action(wire::ACTION_NONE); }},
+            {"action", [](auto& s) { s.action(static_cast<wire::Action>(6)); }},
+            {"height_m", [](auto& s) { s.height_m(nan); }},
+            {"epsilon", [](auto& s) { s.epsilon(1.5); }},
+            {"loss", [](auto& s) { s.loss(infinity); }},
+            {"q_values", [](auto& s) { s.q_values()[2] = nan; }}};
+  }
+};
+
+template <>
+struct Limits<wire::ReportFollowed> {
+  static wire::ReportFollowed good() {
+    wire::ReportFollowed sample;
+    sample.agent("dqn");
+    sample.stream(limits::streams - 1);
+    sample.step(limits::steps);
+    return sample;
+  }
+  static Spoilers<wire::ReportFollowed> spoilers() {
+    return {{"stream", [](auto& s) { s.stream(limits::streams); }},
+            {"step", [](auto& s) { s.step(limits::steps + 1); }},
+            {"agent", [](auto& s) { s.agent(""); }}};
+  }
+};
+
+template <>
+struct Limits<wire::SwapRequest> {
+  static wire::SwapRequest good() {
+    wire::SwapRequest sample;
+    sample.agent("dqn");
+    sample.from_step(limits::steps);
+    return sample;
+  }
+  static Spoilers<wire::SwapRequest> spoilers() {
+    return {{"from_step", [](auto& s) { s.from_step(limits::steps + 1); }}, {"agent", [](auto& s) { s.agent(""); }}};
+  }
+};
+
+template <>
+struct Limits<wire::SwapReply> {
+  static wire::SwapReply good() {
+    wire::SwapReply sample;
+    sample.accepted(true);
+    return sample;
+  }
+  static Spoilers<wire::SwapReply> spoilers() {
+    return {{"message", [](auto& s) { s.accepted(false); }}, {"message", [](auto& s) { s.message("but why"); }}};
+  }
+};
+
+template <>
+struct Limits<wire::AgentStatus> {
+  static wire::AgentStatus good() {
+    wire::AgentStatus sample;
+    sample.agent("dqn");
+    return sample;
+  }
+  static Spoilers<wire::AgentStatus> spoilers() {
+    return {{"agent", [](auto& s) { s.agent(""); }},
+            {"privilege", [](auto& s) { s.privilege(static_cast<wire::Privilege>(3)); }},
+            {"state", [](auto& s) { s.state(static_cast<wire::AgentState>(4)); }}};
+  }
+};
+
+template <>
+struct Limits<wire::HeightProfile> {
+  static wire::HeightProfile good() {
+    wire::HeightProfile sample;
+    sample.step(1);
+    sample.resolution_m(1);
+    sample.qos().assign(201, 2.5);
+    return sample;
+  }
+  static Spoilers<wire::HeightProfile> spoilers() {
+    return {{"stream", [](auto& s) { s.stream(limits::streams); }},
+            {"step", [](auto& s) { s.step(0); }},
+            {"step", [](auto& s) { s.step(limits::steps + 1); }},
+            {"height_min_m", [](auto& s) { s.height_min_m(nan); }},
+            {"resolution_m", [](auto& s) { s.resolution_m(0); }},
+            {"qos", [](auto& s) { s.qos().clear(); }},
+            {"qos", [](auto& s) { s.qos().resize(limits::heights + 1); }},
+            {"qos", [](auto& s) { s.qos()[200] = nan; }}};
+  }
+};
+
+/// The bound of a sequence or text of idl/*.idl in the table of limits.
+std::size_t bound_of(const std::string& type, const std::string& name) {
+  static const std::map<std::string, std::size_t> sequences{{"agents", limits::agents},
+                                                            {"flies_only", limits::agents},
+                                                            {"leases", limits::leases},
+                                                            {"failures", limits::failures_told},
+                                                            {"experiment_json", limits::experiment_bytes},
+                                                            {"trace", limits::trace_bytes},
+                                                            {"agent_memory", limits::memory_bytes},
+                                                            {"memory", limits::memory_bytes},
+                                                            {"base_stations", limits::base_stations},
+                                                            {"building_height_m", limits::cells},
+                                                            {"throughput_kbps", limits::cells},
+                                                            {"sinr_db", limits::cells},
+                                                            {"serving_cell", limits::cells},
+                                                            {"neighbour_sinr_db", limits::neighbours},
+                                                            {"qos", limits::heights}};
+  if (type == "sequence") return sequences.at(name);
+  if (name == "experiment_id") return 16;
+  const bool for_people = name == "message" || name == "reason" || name == "error" || name == "missing";
+  return for_people ? limits::message_bytes : limits::name_bytes;
+}
+
 }  // namespace
 
-TEST_CASE("limits of the samples that steer a run") {
-  wire::RunControl control;
-  check<wire::RunControl>(control, {{"state", [](auto& s) { s.state(static_cast<wire::RunState>(4)); }},
-                                    {"experiment_json", [](auto& s) { s.experiment_json().resize(1048577); }}});
-  wire::TrialAssignment assignment;
-  assignment.worker(wire::name("w0"));
-  assignment.agents({wire::name("dqn")});
-  check<wire::TrialAssignment>(assignment, {{"worker", [](auto& s) { s.worker(wire::name("")); }},
-                                            {"agents", [](auto& s) { s.agents().resize(65); }},
-                                            {"agents", [](auto& s) { s.agents().clear(); }},
-                                            {"agents", [](auto& s) { s.cancelled(true); }}});
-  wire::WorkerStatus worker;
-  worker.worker(wire::name("w0"));
-  check<wire::WorkerStatus>(worker, {{"worker", [](auto& s) { s.worker(wire::name("")); }},
-                                     {"capacity", [](auto& s) { s.capacity(65); }},
-                                     {"leases", [](auto& s) { s.leases().resize(65); }},
-                                     {"failures", [](auto& s) { s.failures().resize(65); }}});
-  wire::RunStatus run;
-  check<wire::RunStatus>(run, {{"state", [](auto& s) { s.state(static_cast<wire::RunState>(99)); }},
-                               {"flights_per_s", [](auto& s) { s.flights_per_s(nan); }},
-                               {"flights_per_s", [](auto& s) { s.flights_per_s(-1); }},
-                               {"steps_per_s", [](auto& s) { s.steps_per_s(infinity); }}});
+TEST_CASE("the limits of every topic"){
+#define ALOFT_CHECK_LIMITS(T)                                             \
+  SECTION(#T) {                                                           \
+    check<wire::T>(Limits<wire::T>::good(), Limits<wire::T>::spoilers()); \
+  }
+    ALOFT_BUS_TOPICS(ALOFT_CHECK_LIMITS)
+#undef ALOFT_CHECK_LIMITS
 }
 
-TEST_CASE("limits of the samples about finished flights") {
-  wire::EpisodeRecord record;
-  record.agent(wire::name("dqn"));
-  record.trace({1});
-  check<wire::EpisodeRecord>(record, {{"agent", [](auto& s) { s.agent(wire::name("")); }},
-                                      {"trace", [](auto& s) { s.trace().clear(); }},
-                                      {"trace", [](auto& s) { s.trace().resize(4194305); }},
-                                      {"agent_memory", [](auto& s) { s.agent_memory().resize(16777217); }}});
-  wire::EpisodeStored stored;
-  stored.digest(std::string(64, 'a'));
-  check<wire::EpisodeStored>(stored, {{"digest", [](auto& s) { s.digest(std::string(63, 'a')); }}});
-  wire::RecordRefused refused;
-  refused.digest(std::string(64, 'a'));
-  check<wire::RecordRefused>(refused, {{"digest", [](auto& s) { s.digest(""); }}});
-  wire::FlightMemory memory;
-  memory.memory({1});
-  check<wire::FlightMemory>(memory, {{"stream", [](auto& s) { s.stream(1024); }},
-                                     {"memory", [](auto& s) { s.memory().clear(); }},
-                                     {"memory", [](auto& s) { s.memory().resize(16777217); }}});
-  wire::MemoryRequest request;
-  request.agent(wire::name("dqn"));
-  check<wire::MemoryRequest>(request, {{"agent", [](auto& s) { s.agent(wire::name("")); }}});
-  wire::StoredMemory answer;
-  answer.agent(wire::name("dqn"));
-  answer.memory({1});
-  check<wire::StoredMemory>(answer, {{"agent", [](auto& s) { s.agent(wire::name("")); }},
-                                     {"memory", [](auto& s) { s.memory().clear(); }},
-                                     {"memory", [](auto& s) { s.memory().resize(16777217); }}});
-  wire::CollectorStatus collector;
-  check<wire::CollectorStatus>(collector, {{"state", [](auto& s) { s.state(static_cast<wire::CollectorState>(3)); }}});
-}
-
-TEST_CASE("limits of worlds") {
-  wire::World world;
-  world.agents({wire::name("dqn")});
-  world.kind(wire::WORLD_CITY);
-  world.city().window_m(1000);
-  world.city().base_station_height_m(30);
-  world.city().base_stations().resize(2);
-  world.city().buildings_x(2);
-  world.city().buildings_y(3);
-  world.city().building_width_m(10);
-  world.city().building_height_m({1, 2, 3, 4, 5, 6});
-  check<wire::World>(world, {{"kind", [](auto& s) { s.kind(static_cast<wire::WorldKind>(4)); }},
-                             {"agents", [](auto& s) { s.agents().resize(65); }},
-                             {"window_m", [](auto& s) { s.city().window_m(0); }},
-                             {"window_m", [](auto& s) { s.city().window_m(nan); }},
-                             {"base_station_height_m", [](auto& s) { s.city().base_station_height_m(infinity); }},
-                             {"base_stations", [](auto& s) { s.city().base_stations().clear(); }},
-                             {"buildings_x",
-                              [](auto& s) {
-                                s.city().buildings_y(0);
-                                s.city().building_height_m().clear();
-                              }},
-                             {"base_stations", [](auto& s) { s.city().base_stations().resize(131073); }},
-                             {"base_stations", [](auto& s) { s.city().base_stations()[1].y_m(nan); }},
-                             {"building_width_m", [](auto& s) { s.city().building_width_m(-1); }},
-                             {"building_height_m", [](auto& s) { s.city().building_height_m()[5] = nan; }},
-                             {"building_height_m", [](auto& s) { s.city().building_height_m().pop_back(); }},
-                             {"building_height_m", [](auto& s) {
-                                s.city().buildings_x(0xFFFFFFFF);
-                                s.city().buildings_y(0xFFFFFFFF);
-                              }}});
+TEST_CASE("the limits of measured flights") {
+  wire::World world = Limits<wire::World>::good();
   world.kind(wire::WORLD_MEASURED);
   world.measured().height_step_m(10);
   world.measured().heights(2);
@@ -127,8 +417,9 @@ TEST_CASE("limits of worlds") {
   world.measured().throughput_kbps({1, 2, 3, 4});
   world.measured().sinr_db({1, 2, 3, 4});
   check<wire::World>(world, {{"steps", [](auto& s) { s.measured().steps(0); }},
-                             {"steps", [](auto& s) { s.measured().steps(16385); }},
+                             {"steps", [](auto& s) { s.measured().steps(limits::steps + 1); }},
                              {"heights", [](auto& s) { s.measured().heights(0); }},
+                             {"heights", [](auto& s) { s.measured().heights(limits::heights + 1); }},
                              {"heights", [](auto& s) { s.measured().heights(0xFFFFFFFF); }},
                              {"height_min_m", [](auto& s) { s.measured().height_min_m(nan); }},
                              {"height_step_m", [](auto& s) { s.measured().height_step_m(0); }},
@@ -139,58 +430,19 @@ TEST_CASE("limits of worlds") {
                              {"serving_cell", [](auto& s) { s.measured().serving_cell({1}); }}});
 }
 
-TEST_CASE("limits of the conversation in flight") {
-  wire::ChannelReport report;
-  report.height_min_m(40);
-  report.height_max_m(240);
-  report.height_step_m(10);
-  report.steps(100);
-  report.step(100);
-  check<wire::ChannelReport>(report, {{"stream", [](auto& s) { s.stream(1024); }},
-                                      {"qos_kind", [](auto& s) { s.qos_kind(static_cast<wire::QosKind>(2)); }},
-                                      {"height_min_m", [](auto& s) { s.height_min_m(nan); }},
-                                      {"height_max_m", [](auto& s) { s.height_max_m(39); }},
-                                      {"height_step_m", [](auto& s) { s.height_step_m(0); }},
-                                      {"steps", [](auto& s) { s.steps(0); }},
-                                      {"steps", [](auto& s) { s.steps(16385); }},
-                                      {"step", [](auto& s) { s.step(101); }},
-                                      {"position", [](auto& s) { s.x_m(1e7); }},
-                                      {"position", [](auto& s) { s.y_m(nan); }},
-                                      {"height_m", [](auto& s) { s.height_m(infinity); }},
-                                      {"serving_sinr_db", [](auto& s) { s.serving_sinr_db(nan); }},
-                                      {"neighbour_sinr_db", [](auto& s) { s.neighbour_sinr_db().resize(6); }},
-                                      {"neighbour_sinr_db", [](auto& s) { s.neighbour_sinr_db({nan}); }},
-                                      {"qos", [](auto& s) { s.qos(nan); }},
-                                      {"reward", [](auto& s) { s.reward(-infinity); }},
-                                      {"executed", [](auto& s) { s.executed(static_cast<wire::Action>(5)); }}});
-  wire::HeightCommand command;
-  command.step(1);
-  command.action(wire::ACTION_UP);
-  check<wire::HeightCommand>(command, {{"stream", [](auto& s) { s.stream(0xFFFFFFFF); }},
-                                       {"step", [](auto& s) { s.step(0); }},
-                                       {"step", [](auto& s) { s.step(16385); }},
-                                       {"action", [](auto& s) { s.action(wire::ACTION_NONE); }},
-                                       {"action", [](auto& s) { s.action(static_cast<wire::Action>(6)); }},
-                                       {"height_m", [](auto& s) { s.height_m(nan); }},
-                                       {"epsilon", [](auto& s) { s.epsilon(1.5); }},
-                                       {"loss", [](auto& s) { s.loss(infinity); }},
-                                       {"q_values", [](auto& s) { s.q_values()[2] = nan; }}});
-  wire::HeightProfile profile;
-  profile.step(1);
-  profile.resolution_m(1);
-  profile.qos().assign(201, 2.5);
-  check<wire::HeightProfile>(profile, {{"stream", [](auto& s) { s.stream(1024); }},
-                                       {"step", [](auto& s) { s.step(0); }},
-                                       {"height_min_m", [](auto& s) { s.height_min_m(nan); }},
-                                       {"resolution_m", [](auto& s) { s.resolution_m(0); }},
-                                       {"qos", [](auto& s) { s.qos().clear(); }},
-                                       {"qos", [](auto& s) { s.qos().resize(4097); }},
-                                       {"qos", [](auto& s) { s.qos()[200] = nan; }}});
-  wire::AgentStatus agent;
-  agent.agent(wire::name("dqn"));
-  check<wire::AgentStatus>(agent, {{"agent", [](auto& s) { s.agent(wire::name("")); }},
-                                   {"privilege", [](auto& s) { s.privilege(static_cast<wire::Privilege>(3)); }},
-                                   {"state", [](auto& s) { s.state(static_cast<wire::AgentState>(4)); }}});
+TEST_CASE("the bounds in the IDL are those of the table of limits") {
+  const std::regex bounded(R"((sequence|string)<(?:[^<>;]*(?:<[0-9]+>)?, *)?([0-9]+)>\s+(\w+);)");
+  std::size_t found = 0;
+  for (const char* file : {"control.idl", "flight.idl", "record.idl", "world.idl"}) {
+    std::ifstream stream(test::source_dir() / "idl" / file);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    for (std::sregex_iterator at(text.begin(), text.end(), bounded), end; at != end; ++at, ++found) {
+      INFO(file << ": " << at->str());
+      CHECK(std::stoull((*at)[2]) == bound_of((*at)[1], (*at)[3]));
+    }
+    CHECK_THAT(text, !Catch::Matchers::Contains("sequence<octet>") && !Catch::Matchers::Contains("string "));
+  }
+  CHECK(found > 50);
 }
 
 }  // namespace aloft

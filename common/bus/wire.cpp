@@ -4,14 +4,16 @@
 
 #include <stdexcept>
 
+#include "common/base/plain_text.hpp"
+
 namespace aloft::wire {
 namespace {
 
 template <class Field>
 Field whole(std::string_view text) {
   if (text.size() > Field::max_size)
-    throw std::length_error(
-        fmt::format("'{}' has {} bytes; names on the wire have at most {}", text, text.size(), Field::max_size));
+    throw std::length_error(fmt::format("'{}' has {} bytes; names on the wire have at most {}",
+                                        plain_text(text, Field::max_size), text.size(), Field::max_size));
   return Field(std::string(text));
 }
 
@@ -26,7 +28,7 @@ ExperimentId experiment_id(std::string_view text) {
 }
 
 Message message(std::string_view text) {
-  return Message(std::string(text.substr(0, max_message_length)));
+  return Message(std::string(beginning_of(text, limits::message_bytes)));
 }
 
 std::vector<Name> names(const std::vector<std::string>& texts) {

@@ -10,20 +10,19 @@
 #include <string_view>
 #include <vector>
 
+#include "common/base/limits.hpp"
+
 /// The types on the wire (idl/*.idl), their text fields, and nothing of the middleware behind them.
 namespace aloft::wire {
 
-inline constexpr std::size_t max_name_length = 64;
-inline constexpr std::size_t max_message_length = 512;
-
-using Name = eprosima::fastrtps::fixed_string<max_name_length>;
-using Message = eprosima::fastrtps::fixed_string<max_message_length>;
+using Name = eprosima::fastrtps::fixed_string<limits::name_bytes>;
+using Message = eprosima::fastrtps::fixed_string<limits::message_bytes>;
 using ExperimentId = eprosima::fastrtps::fixed_string<16>;
 
 /// For names and ids, which must arrive whole: std::length_error if `text` is longer than the field.
 [[nodiscard]] Name name(std::string_view text);
 [[nodiscard]] ExperimentId experiment_id(std::string_view text);
-/// For messages to people: cut at the field's length.
+/// For messages to people: cut between characters, if they are longer than the field.
 [[nodiscard]] Message message(std::string_view text);
 
 template <std::size_t N>

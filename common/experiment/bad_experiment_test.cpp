@@ -120,6 +120,13 @@ TEST_CASE("a planner on a route that depends on the flight") {
   CHECK_THAT(message(text), Contains("agent 'planner'") && Contains("route=serving bs_density_per_km2=1"));
 }
 
+TEST_CASE("an agent that looks at more neighbour cells than the UAV reports") {
+  std::string text = with("random-walk", "dqn");
+  text.replace(text.find("\"bs_density"), 0, "\"neighbours\": [5, 3], ");
+  CHECK_THAT(message(text), Contains("agent 'dqn' looks at 4 neighbour cells") &&
+                                Contains("condition \"neighbours=3 bs_density_per_km2=1\"") && Contains("report 3"));
+}
+
 TEST_CASE("sweeps: empty, doubled values, too many conditions, equal names") {
   CHECK_THAT(message(with("[1, 5]", "[]")), Contains("world.bs_density_per_km2: the list is empty"));
   CHECK_THAT(message(with("[1, 5]", "[1, 5, 1.0]")), Contains("world.bs_density_per_km2: 1.0 stands twice"));

@@ -9,12 +9,13 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
+#include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
 #include "common/experiment/conditions.hpp"
 #include "common/experiment/file_keys.hpp"
 #include "common/experiment/file_paths.hpp"
 #include "common/experiment/identity.hpp"
-#include "common/experiment/json_text.hpp"
 #include "common/experiment/relay_rules.hpp"
 #include "common/experiment/schema.hpp"
 #include "common/experiment/set_value.hpp"
@@ -26,9 +27,6 @@ namespace {
 
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
-
-constexpr std::size_t max_agents = 64;
-constexpr std::size_t max_name_length = 64;
 
 void check_keys(const OrderedJson& document) {
   if (!document.is_object())
@@ -60,11 +58,11 @@ void check_name(const std::string& name) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
            c == '.';
   });
-  if (name.empty() || name.size() > max_name_length || !fine || name.front() == '.')
+  if (name.empty() || name.size() > limits::name_bytes || !fine || name.front() == '.')
     throw InputError(
         fmt::format("name: {} is not allowed; use 1 to {} letters, digits, '-', '_' and '.', because result "
                     "folders are named after it",
-                    Json(name).dump(), max_name_length));
+                    Json(name).dump(), limits::name_bytes));
 }
 
 /// The entries that are plain parameters: name, trials, ...
@@ -139,8 +137,8 @@ void check_agent(agents::AgentSpec& spec, const FileAccess& files) {
 /// Makes one of each agent and throws it away: some parameters are only wrong together, and files are only read here.
 /// A file that an agent reads gets an absolute path, and the SHA-256 that counts in the experiment's id.
 void check_agents(std::vector<agents::AgentSpec>& specs, const FileAccess& files) {
-  if (specs.size() > max_agents)
-    throw InputError(fmt::format("agents: {} are too many; use at most {}", specs.size(), max_agents));
+  if (specs.size() > limits::agents)
+    throw InputError(fmt::format("agents: {} are too many; use at most {}", specs.size(), limits::agents));
   for (agents::AgentSpec& spec : specs) {
     if (spec.crew.empty()) check_agent(spec, files);
     for (agents::CrewMember& member : spec.crew) check_agent(member.agent, files);
@@ -157,6 +155,29 @@ void check_routes(const Experiment& experiment) {
             fmt::format("agent '{}' plans the whole route, but in condition \"{}\" route \"serving\" "
                         "makes the route depend on the flight; use \"nearest\", or leave this agent out",
                         spec.name, condition.name));
+  }
+}
+
+/// How many neighbour cells an agent must hear of in a generated world: its parameter of that name, if it has one.
+int needed_neighbours(const agents::AgentSpec& spec) {
+  const std::vector<ParameterSpec>& table = agents::agent_type(spec.type).parameters;
+  const bool has_any =
+      std::any_of(table.begin(), table.end(), [](const ParameterSpec& one) { return one.name == "neighbours"; });
+  return has_any ? spec.parameters.integer("neighbours") : 0;
+}
+
+void check_neighbours(const Experiment& experiment) {
+  const auto check = [&](const agents::AgentSpec& spec) {
+    for (const Condition& condition : experiment.conditions)
+      if (condition.kind == WorldKind::generated && needed_neighbours(spec) > condition.world.integer("neighbours"))
+        throw InputError(
+            fmt::format("agent '{}' looks at {} neighbour cells, but in condition \"{}\" \"neighbours\" makes the UAV "
+                        "report {}; let the world report more, or lower the agent's \"neighbours\"",
+                        spec.name, needed_neighbours(spec), condition.name, condition.world.integer("neighbours")));
+  };
+  for (const agents::AgentSpec& spec : experiment.agents) {
+    check(spec);
+    for (const agents::CrewMember& member : spec.crew) check(member.agent);
   }
 }
 
@@ -180,13 +201,12 @@ Json canonical_form(const Experiment& experiment) {
 
 /// The resolved experiment travels to every process in one sample of at most this size.
 void check_size(const Experiment& experiment) {
-  constexpr std::size_t largest_bytes = 1'048'576;
   const std::size_t bytes = experiment.canonical.dump().size();
-  if (bytes > largest_bytes)
+  if (bytes > limits::experiment_bytes)
     throw InputError(
         fmt::format("{} conditions and {} agents make {} bytes when resolved; at most {} are allowed, about "
                     "1,000 conditions: spread the sweep over several experiments",
-                    experiment.conditions.size(), experiment.agents.size(), bytes, largest_bytes));
+                    experiment.conditions.size(), experiment.agents.size(), bytes, limits::experiment_bytes));
 }
 
 void apply(OrderedJson& document, const Overrides& overrides) {
@@ -207,6 +227,7 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   experiment.conditions = expand_worlds(document, files);
   check_routes(experiment);
   check_relays(experiment);
+  check_neighbours(experiment);
   // The checks above give the better messages, so they come first; the schema has the last word.
   if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
     throw InputError(fmt::format("{}", fmt::join(errors, "\n")));

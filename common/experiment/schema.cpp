@@ -4,6 +4,7 @@
 
 #include "common/agents/registry.hpp"
 #include "common/agents/relay.hpp"
+#include "common/base/limits.hpp"
 #include "common/experiment/conditions.hpp"
 #include "common/experiment/file_keys.hpp"
 #include "common/experiment/world_parameters.hpp"
@@ -109,7 +110,7 @@ Json experiment_schema() {
                           {"items", {{"$ref", "#/properties/world"}}}};
   properties["agents"] = {{"type", "array"},
                           {"minItems", 1},
-                          {"maxItems", 64},
+                          {"maxItems", limits::agents},
                           {"description", "Who flies; every agent flies in the same worlds."},
                           {"items", any_agent()}};
   return {{"$schema", "http://json-schema.org/draft-07/schema#"},

@@ -8,12 +8,16 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
 
 namespace aloft::experiment {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
+
+constexpr std::size_t longest_told = 200;
 
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> keys;
@@ -33,12 +37,13 @@ std::optional<std::size_t> as_index(const std::string& key) {
 }
 
 OrderedJson as_value(const std::string& text, const std::string& assignment) {
-  OrderedJson value = OrderedJson::parse(text, nullptr, false);
-  if (value.is_discarded()) value = text;
+  const std::string shortened = plain_text(assignment, longest_told);
+  OrderedJson value =
+      OrderedJson::accept(text) ? parse_json(text, fmt::format("--set {}", shortened)) : OrderedJson(text);
   try {
     (void)value.dump();
   } catch (const OrderedJson::exception&) {
-    throw InputError(fmt::format("--set {}: the value is not UTF-8 text", assignment));
+    throw InputError(fmt::format("--set {}: the value is not UTF-8 text", shortened));
   }
   return value;
 }

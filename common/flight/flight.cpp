@@ -103,7 +103,7 @@ void Flight::step(const agents::Command& command, std::string_view pilot) {
   observation_.last = step == info_.steps;
   record_.steps.push_back({step, executed, position_.x_m, position_.y_m, observation_.height_m,
                            observation_.serving_cell, observation_.serving_sinr_db, observation_.qos,
-                           observation_.reward, pilot_index(pilot), command.introspection});
+                           observation_.reward, pilot_index(pilot), agents::showable(command.introspection)});
 }
 
 Action Flight::move(const agents::Command& command) {

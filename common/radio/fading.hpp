@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/limits.hpp"
 #include "common/base/random.hpp"
 #include "common/radio/radio_model.hpp"
 
@@ -16,8 +17,9 @@ namespace aloft::radio {
 /// height with this correlation between adjacent heights of the table (1: constant over height). none: f = 1.
 class Fading {
  public:
-  static constexpr std::uint32_t lanes = 4;             ///< heights that share one block of random words
-  static constexpr std::uint32_t max_stations = 65536;  ///< c and k share a counter word
+  static constexpr std::uint32_t lanes = 4;  ///< heights that share one block of random words
+  static constexpr std::uint32_t max_stations = limits::base_stations;  ///< c and k share a counter word
+  static_assert(std::uint64_t{max_stations} * max_stations == std::uint64_t{1} << 32U);  // other factors, other fading
 
   Fading(const RadioModel& model, std::uint64_t seed, std::uint32_t trial)
       : kind_(model.fading), correlation_(model.fading_correlation), stream_(seed, trial, "fading") {}

@@ -167,6 +167,14 @@ TEST_CASE("so do the other presets and switches") {
   check_against_plain({{"uav_antenna", "omnidirectional"}, {"path_distance", "horizontal"}, {"fading", "none"}});
 }
 
+TEST_CASE("a city with more base stations than fading can tell apart is refused") {
+  const Parameters world = radio::resolve_generated_world(json::object(), "world");
+  world::City city = world::generate_city(world, seed, trial);
+  city.base_stations.resize(limits::base_stations + 1);
+  CHECK_THROWS_WITH(radio::make_generated_map(world, city, seed, trial),
+                    Catch::Contains("65537 base stations") && Catch::Contains("at most 65536"));
+}
+
 TEST_CASE("columns do not depend on the order of questions, nor on the table's resolution") {
   const Parameters world = radio::resolve_generated_world(json::object(), "world");
   const world::City city = world::generate_city(world, seed, trial);

@@ -8,6 +8,7 @@
 
 #include "common/agents/observation.hpp"
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 #include "common/world/city.hpp"
 #include "common/world/route.hpp"
 
@@ -85,6 +86,9 @@ void require(bool holds, std::string_view where, std::string_view key, const std
   if (!holds) throw InputError(fmt::format("{}{}{}: {}", where, where.empty() ? "" : ".", key, reason));
 }
 
+/// Of 100,000 draws, one in 10^13 series of them would have no city; and this many draws take a millisecond.
+constexpr double least_probability_of_enough = 3e-4;
+
 /// Combinations that contradict each other.
 void check_heights(const Parameters& world, std::string_view where) {
   const double low_m = world.number("height_min_m");
@@ -99,9 +103,9 @@ void check_heights(const Parameters& world, std::string_view where) {
                       low_m, high_m, step_m));
   require(is_multiple(step_m, resolution_m), where, "height_resolution_m",
           fmt::format("{} does not divide height_step_m {}; use a whole fraction of it", resolution_m, step_m));
-  require(
-      (high_m - low_m) / resolution_m <= 10'000.0, where, "height_resolution_m",
-      fmt::format("{} makes more than 10,001 heights from {} to {} m; use a larger one", resolution_m, low_m, high_m));
+  require(std::round((high_m - low_m) / resolution_m) < limits::heights, where, "height_resolution_m",
+          fmt::format("{} makes more than {} heights from {} to {} m; use a larger one", resolution_m, limits::heights,
+                      low_m, high_m));
   require(
       low_m >= base_m, where, "height_min_m",
       fmt::format("{} is below base_station_height_m {}; the radio model holds at or above the masts", low_m, base_m));
@@ -122,6 +126,12 @@ void check_route_and_stations(const Parameters& world, std::string_view where) {
           fmt::format("{} is too few for {} candidates and {} neighbours; use at least {}",
                       world.integer("min_base_stations"), world.integer("candidates"), world.integer("neighbours"),
                       needed));
+  const double enough = world::probability_of_enough_stations(world);
+  require(enough >= least_probability_of_enough, where, "min_base_stations",
+          fmt::format("only one in {:.0g} cities has {} or more base stations with bs_density_per_km2 {} and window_m "
+                      "{}; raise the density or the window, or ask for fewer",
+                      1.0 / enough, world.integer("min_base_stations"), world.number("bs_density_per_km2"),
+                      world.number("window_m")));
 }
 
 }  // namespace

@@ -73,7 +73,13 @@ TEST_CASE("wrong worlds are refused with path, value and what is allowed") {
   CHECK_THAT(error_of({{"height_max_m", 30}}), Contains("world.height_max_m") && Contains("below height_min_m 40"));
   CHECK_THAT(error_of({{"height_resolution_m", 3}}), Contains("world.height_resolution_m") && Contains("divide"));
   CHECK_THAT(error_of({{"height_resolution_m", 0.1}, {"height_max_m", 2040}}),
-             Contains("world.height_resolution_m") && Contains("10,001"));
+             Contains("world.height_resolution_m") && Contains("more than 4096 heights"));
+  CHECK(error_of({{"height_resolution_m", 0.1}, {"height_step_m", 0.1}, {"height_max_m", 40 + 409.5}}) == "accepted");
+  CHECK_THAT(error_of({{"height_resolution_m", 0.1}, {"height_step_m", 0.1}, {"height_max_m", 40 + 409.6}}),
+             Contains("world.height_resolution_m") && Contains("more than 4096 heights"));
+  CHECK_THAT(error_of({{"bs_density_per_km2", 0.1}, {"window_m", 2000}}),
+             Contains("world.min_base_stations: only one in") && Contains("cities has 6 or more base stations"));
+  CHECK(error_of({{"bs_density_per_km2", 0.1}}) == "accepted");
   CHECK_THAT(error_of({{"height_min_m", 20}}), Contains("world.height_min_m") && Contains("base_station_height_m 30"));
   CHECK_THAT(error_of({{"steps", 300}}), Contains("world.route_start_x_m") && Contains("leaves the city"));
   CHECK_THAT(error_of({{"candidates", 10}}), Contains("world.min_base_stations") && Contains("at least 10"));

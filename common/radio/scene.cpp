@@ -1,9 +1,13 @@
 #include "common/radio/scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 #include "common/base/random.hpp"
 #include "common/radio/line_of_sight.hpp"
 
@@ -16,6 +20,9 @@ HeightGrid height_grid(const Parameters& world) {
 
 Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial)
     : city_(std::move(city)), model_(world), heights_(height_grid(world)) {
+  if (city_.base_stations.size() > limits::base_stations)
+    throw InputError(fmt::format("the city has {} base stations; fading tells at most {} apart",
+                                 city_.base_stations.size(), limits::base_stations));
   if (model_.bs_antenna != BsAntenna::sector) return;
   RandomStream stream(seed, trial, "sector azimuth");
   for (std::uint32_t k = 0; k < stations(); ++k) {

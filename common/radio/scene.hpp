@@ -19,7 +19,8 @@ struct Surroundings {
 /// A city with its radio: who is heard where, fading apart.
 class Scene {
  public:
-  /// `world`: every key of generated_world_parameters(). Keeps a copy of the city.
+  /// `world`: every key of generated_world_parameters(). Keeps a copy of the city. InputError if it has
+  /// more base stations than limits::base_stations.
   Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial);
 
   [[nodiscard]] const RadioModel& model() const noexcept { return model_; }

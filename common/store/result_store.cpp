@@ -9,6 +9,7 @@
 #include "common/base/build_info.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/text_file.hpp"
@@ -247,7 +248,8 @@ ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, cons
     const std::string stored = state->stored_canonical();
     if (stored.empty()) {
       state->store_experiment();
-    } else if (const auto there = nlohmann::json::parse(stored); experiment::id_of(there) != experiment.id) {
+    } else if (const nlohmann::json there = parse_json(stored, state->file.string());
+               experiment::id_of(there) != experiment.id) {
       throw InputError(
           fmt::format("'{}' holds the results of another experiment: {}. Name another folder with --out, or move this "
                       "one away",

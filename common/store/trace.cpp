@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 #include "common/store/result_store.hpp"
 
 namespace aloft::store {
@@ -16,7 +17,6 @@ using flight::FlightRecord;
 using flight::StepRecord;
 
 constexpr std::uint32_t trace_version = 1;
-constexpr std::size_t max_name_length = 64;
 
 bool same_bits(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -69,7 +69,7 @@ void require(bool holds, std::string_view what) {
 }
 
 bool is_name(const std::string& text) {
-  return !text.empty() && text.size() <= max_name_length &&
+  return !text.empty() && text.size() <= limits::name_bytes &&
          std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 #include "common/base/random.hpp"
 
 namespace aloft::world {
@@ -15,13 +16,22 @@ namespace {
 constexpr double m2_per_km2 = 1e6;
 constexpr int largest_redraws = 100'000;
 
-std::uint32_t base_station_count(const Parameters& world, std::uint64_t seed, std::uint32_t trial) {
+double mean_base_stations(const Parameters& world) {
   const double window_m = world.number("window_m");
-  const double mean = world.number("bs_density_per_km2") * window_m * window_m / m2_per_km2;
+  return world.number("bs_density_per_km2") * window_m * window_m / m2_per_km2;
+}
+
+std::uint32_t base_station_count(const Parameters& world, std::uint64_t seed, std::uint32_t trial) {
+  const double mean = mean_base_stations(world);
   const auto least = static_cast<std::uint32_t>(world.integer("min_base_stations"));
   RandomStream stream(seed, trial, "base station count");
   for (int redraw = 0; redraw < largest_redraws; ++redraw) {
     const std::uint32_t count = stream.poisson(mean);
+    if (count > limits::base_stations)
+      throw InputError(
+          fmt::format("bs_density_per_km2 and window_m: the city of trial {} has {} base stations; at most {} are "
+                      "possible: lower the density or the window",
+                      trial, count, limits::base_stations));
     if (count >= least) return count;
   }
   throw InputError(
@@ -80,6 +90,14 @@ const std::vector<ParameterSpec>& city_parameters() {
   return table;
 }
 
+double probability_of_enough_stations(const Parameters& world) {
+  const double mean = mean_base_stations(world);
+  double probability = std::exp(-mean);  // of exactly k
+  double too_few = 0.0;
+  for (int k = 0; k < world.integer("min_base_stations"); probability *= mean / ++k) too_few += probability;
+  return 1.0 - too_few;
+}
+
 City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t trial) {
   City city;
   city.window_m = world.number("window_m");
@@ -95,7 +113,7 @@ City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t tr
 
   const double buildings = world.number("building_density_per_km2") * city.window_m * city.window_m / m2_per_km2;
   city.buildings_x = static_cast<std::uint32_t>(std::floor(std::sqrt(buildings)));
-  city.buildings_y = static_cast<std::uint32_t>(std::ceil(std::sqrt(buildings)));
+  city.buildings_y = city.buildings_x == 0 ? 0 : static_cast<std::uint32_t>(std::ceil(std::sqrt(buildings)));
   const HeightDistribution distribution(world);
   RandomStream heights(seed, trial, "building heights");
   city.building_height_m.resize(std::size_t{city.buildings_x} * city.buildings_y);

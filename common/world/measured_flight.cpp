@@ -15,13 +15,15 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
 
 namespace aloft::world {
 namespace {
 
-constexpr double largest_step = 100'000;
 constexpr std::size_t largest_heights = 1000;
+constexpr double rounding = 1e-6;  // of spacings, as a share
+static_assert(largest_heights <= limits::heights);
 
 struct Column {
   const char* name;
@@ -34,9 +36,9 @@ struct Column {
 enum ColumnIndex : std::size_t { step, height, throughput, sinr, latitude, longitude, serving_cell, observed, count };
 
 constexpr std::array<Column, ColumnIndex::count> columns{{
-    {"step", true, 1, largest_step, true},
+    {"step", true, 1, limits::steps, true},
     {"height_m", true, 0, 10'000, false},
-    {"throughput_kbps", true, 0, 1e9, false},
+    {"throughput_kbps", true, 0, limits::quality, false},
     {"sinr_db", false, -200, 200, false},
     {"latitude", false, -90, 90, false},
     {"longitude", false, -180, 180, false},
@@ -178,10 +180,14 @@ std::map<double, const Row*> evenly_spaced_heights(const std::vector<Row>& rows,
     reader.fail(rows.front().height_field, "all rows have the same height; at least two heights are needed");
   const double first_m = heights.begin()->first;
   const double spacing_m = std::next(heights.begin())->first - first_m;
+  if (spacing_m < limits::height_step_min_m * (1.0 - rounding))
+    reader.fail(std::next(heights.begin())->second->height_field,
+                fmt::format("the lowest two heights are {:g} m apart; use at least {:g} m", spacing_m,
+                            limits::height_step_min_m));
   std::size_t i = 0;
   for (const auto& [height_m, row] : heights) {
     const double expected_m = first_m + spacing_m * static_cast<double>(i++);
-    if (std::fabs(height_m - expected_m) > 1e-6 * spacing_m)
+    if (std::fabs(height_m - expected_m) > rounding * spacing_m)
       reader.fail(row->height_field, fmt::format("height_m {} breaks the even spacing of {} m from {} m; expected {}",
                                                  height_m, spacing_m, first_m, expected_m));
   }
@@ -196,6 +202,10 @@ std::vector<const Row*> as_grid(const std::vector<Row>& rows, const std::map<dou
   for (const auto& [height_m, row] : heights) level_of.emplace(height_m, level_of.size());
   double steps = 0;
   for (const Row& row : rows) steps = std::max(steps, row.value[ColumnIndex::step]);
+  if (steps * static_cast<double>(levels) > static_cast<double>(limits::cells))
+    reader.fail(rows.front().step_field,
+                fmt::format("{} steps of {} heights are too many; at most {} values are possible", steps, levels,
+                            limits::cells));
   // With fewer rows than cells, one of the first rows.size() + 1 cells is empty: no need to keep more.
   std::vector<const Row*> grid(std::min(static_cast<std::size_t>(steps) * levels, rows.size() + 1), nullptr);
   for (const Row& row : rows) {
@@ -235,6 +245,21 @@ double sinr_from_throughput_db(double throughput_kbps) noexcept {
                            (high.throughput_kbps - low.throughput_kbps);
 }
 
+namespace {
+
+/// Of a row of a file without sinr_db.
+double derived_sinr_db(const Row& row, const Reader& reader) {
+  const double sinr_db = sinr_from_throughput_db(row.value[ColumnIndex::throughput]);
+  if (std::fabs(sinr_db) > limits::level_db)
+    reader.fail(row.step_field,
+                fmt::format("throughput_kbps {} stands for an SINR of {:.0f} dB, beyond {} dB, because the file has no "
+                            "column sinr_db; add it, or give throughput_kbps in kbit/s",
+                            row.value[ColumnIndex::throughput], sinr_db, limits::level_db));
+  return sinr_db;
+}
+
+}  // namespace
+
 MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name) {
   Reader reader(csv, name);
   const std::vector<Row> rows = reader.read();
@@ -243,15 +268,13 @@ MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name
 
   MeasuredFlight flight;
   flight.height_min_m = heights.begin()->first;
-  flight.height_step_m = std::next(heights.begin())->first - flight.height_min_m;
+  flight.height_step_m = std::max(std::next(heights.begin())->first - flight.height_min_m, limits::height_step_min_m);
   flight.heights = static_cast<std::uint32_t>(heights.size());
   flight.steps = static_cast<std::uint32_t>(grid.size() / heights.size());
   flight.sinr_derived = !reader.has(ColumnIndex::sinr);
   for (const Row* row : grid) {
-    const double throughput_kbps = row->value[ColumnIndex::throughput];
-    flight.throughput_kbps.push_back(throughput_kbps);
-    flight.sinr_db.push_back(flight.sinr_derived ? sinr_from_throughput_db(throughput_kbps)
-                                                 : row->value[ColumnIndex::sinr]);
+    flight.throughput_kbps.push_back(row->value[ColumnIndex::throughput]);
+    flight.sinr_db.push_back(flight.sinr_derived ? derived_sinr_db(*row, reader) : row->value[ColumnIndex::sinr]);
     if (reader.has(ColumnIndex::serving_cell))
       flight.serving_cell.push_back(static_cast<std::int32_t>(row->value[ColumnIndex::serving_cell]));
   }

@@ -1,10 +1,11 @@
 #include "services/channel/agent_directory.hpp"
 
+#include "common/base/limits.hpp"
+
 namespace aloft::channel {
 namespace {
 
 constexpr std::chrono::seconds silence_limit{3};
-constexpr std::size_t max_told = 64;
 
 }  // namespace
 
@@ -44,7 +45,7 @@ const AgentDirectory::Entry* AgentDirectory::find(std::string_view agent) const 
 std::vector<wire::AgentNews> AgentDirectory::news(Clock::time_point now) const {
   std::vector<wire::AgentNews> all;
   for (const auto& [name, entry] : agents_) {
-    if (all.size() == max_told) break;
+    if (all.size() == limits::agents_told) break;
     all.push_back(entry.news);
     all.back().silent_s(std::chrono::duration<double>(now - entry.seen).count());
   }

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/limits.hpp"
 #include "common/bus/answer_times.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
@@ -32,8 +33,6 @@ constexpr std::chrono::milliseconds status_period{500};
 constexpr std::chrono::seconds missing_after{3};
 constexpr std::chrono::seconds answer_limit{60};
 constexpr std::chrono::milliseconds farewell_time{500};
-constexpr std::size_t max_leases = 64;
-constexpr std::size_t max_failures_told = 64;
 constexpr std::size_t max_waiting_for_storage = 32;
 
 std::string host_name() {
@@ -147,7 +146,7 @@ struct Channel::State {
 
   void on_world(const wire::World& world) {
     if (world.kind() == wire::WORLD_CANCELLED) return cancel(world.lease_id());
-    if (trials.knows(world.lease_id()) || trials.all().size() >= max_leases) return;
+    if (trials.knows(world.lease_id()) || trials.all().size() >= limits::leases) return;
     if (world.kind() == wire::WORLD_FAILED) {
       trials.add(world.lease_id(), world.condition(), world.trial(), {});
       return fail(world.lease_id(), std::string(wire::view(world.error())));
@@ -366,7 +365,7 @@ struct Channel::State {
       spdlog::error("lease {}: {}", lease, reason);
       cancel(lease);
       failures.emplace_back(lease, reason);
-      if (failures.size() > max_failures_told) failures.pop_front();
+      if (failures.size() > limits::failures_told) failures.pop_front();
     }
     failing.clear();
   }

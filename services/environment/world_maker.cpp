@@ -6,6 +6,7 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/bus/convert.hpp"
+#include "common/bus/validate.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/world/city.hpp"
 #include "common/world/measured_flight.hpp"
@@ -24,8 +25,12 @@ wire::World WorldMaker::make(const wire::TrialAssignment& assignment) {
   if (assignment.cancelled()) return world;
   try {
     fill(world, assignment);
+    if (const char* error = bus::validate(world))
+      throw std::runtime_error(fmt::format("no world to fly in: {}", error));
   } catch (const std::exception& error) {
     spdlog::error("condition {}, trial {}: {}", assignment.condition(), assignment.trial(), error.what());
+    world.city({});
+    world.measured({});
     world.kind(wire::WORLD_FAILED);
     world.error(wire::message(error.what()));
   }

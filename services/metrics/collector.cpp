@@ -8,13 +8,10 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/limits.hpp"
 
 namespace aloft::metrics {
 namespace {
-
-// Far above any real flight; keeps a damaged record from being taken for one.
-constexpr std::size_t max_steps = 1'000'000;
-constexpr double max_length_m = 1e7;
 
 bool within(double value, double limit) {
   return std::isfinite(value) && std::abs(value) <= limit;
@@ -22,14 +19,15 @@ bool within(double value, double limit) {
 
 /// What is wrong with a decoded flight, or nothing.
 std::optional<std::string> flaw(const flight::FlightRecord& flight) {
-  if (flight.steps.empty() || flight.steps.size() > max_steps)
-    return fmt::format("it has {} steps; allowed: 1 to {}", flight.steps.size(), max_steps);
+  if (flight.steps.empty() || flight.steps.size() > limits::steps)
+    return fmt::format("it has {} steps; allowed: 1 to {}", flight.steps.size(), limits::steps);
   for (std::size_t i = 0; i < flight.steps.size(); ++i) {
     const flight::StepRecord& step = flight.steps[i];
     if (step.step != i + 1) return fmt::format("step {} stands where step {} is due", step.step, i + 1);
     if (step.flown_by >= flight.pilots.size()) return fmt::format("step {} names no pilot", step.step);
-    if (!within(step.x_m, max_length_m) || !within(step.y_m, max_length_m) || !within(step.height_m, max_length_m))
-      return fmt::format("the position of step {} is not finite or not on this planet", step.step);
+    if (!within(step.x_m, limits::distance_m) || !within(step.y_m, limits::distance_m) ||
+        !within(step.height_m, limits::height_m))
+      return fmt::format("the position of step {} is not finite or out of range", step.step);
     if (!std::isfinite(step.qos) || step.qos < 0.0 || !std::isfinite(step.reward) ||
         !std::isfinite(step.serving_sinr_db))
       return fmt::format("the quality of step {} is negative or not finite", step.step);

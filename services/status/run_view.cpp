@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
 #include "common/bus/answer_times.hpp"
 
 namespace aloft::status {
@@ -80,8 +82,12 @@ Json to_json(const wire::AgentNews& agent, double since) {
 
 void RunView::on_control(const wire::RunControl& control) {
   if (!experiment_.empty()) return;
-  const Json experiment = Json::parse(wire::view(control.experiment_json()), nullptr, false);
-  if (experiment.is_object()) experiment_ = experiment.value("name", "");
+  try {
+    const Json experiment = parse_json(wire::view(control.experiment_json()), "RunControl");
+    if (experiment.is_object() && experiment.contains("name") && experiment["name"].is_string())
+      experiment_ = experiment["name"];
+  } catch (const InputError&) {  // NOLINT: those who would fly it say so
+  }
 }
 
 void RunView::on_run(const wire::RunStatus& status, Clock::time_point now) {

@@ -48,6 +48,30 @@ TEST_CASE("malformed JSON is refused with line and column") {
   CHECK_THAT(finished.err, Contains("experiment.json") && Contains("line 3") && Contains("column"));
 }
 
+TEST_CASE("JSON nested too deep is refused with the place and the limit, wherever it comes in") {
+  const std::string deep(200'000, '[');
+  const std::string limit = "nested more than 32 deep";
+  CHECK_THAT(refused(with("\"random-walk\"", "\n" + deep)).err,
+             Contains("experiment.json: line 6, column 33: ") && Contains(limit));
+  CHECK_THAT(refused(with("200", deep + std::string(deep.size(), ']'))).err, Contains(limit));
+  const std::string shallow = std::string(100, '[') + std::string(100, ']');
+  CHECK_THAT(refused(small_experiment, {"--set", "world.steps=" + shallow}).err, Contains("--set") && Contains(limit));
+  const ScratchDir scratch;
+  write_text(scratch / "deep.json", deep);
+  const std::string file = (scratch / "deep.json").string();
+  const std::vector<std::vector<std::string>> commands{
+      {"aloft", "validate", file},
+      {"aloft-coordinator", "--experiment", file, "--results", (scratch / "out").string()},
+      {"aloft", "train", "pretrained", "--config", file, "--out", (scratch / "model").string()}};
+  for (const std::vector<std::string>& command : commands) {
+    const Finished finished = run_command(command);
+    INFO(command.front() << " " << command[1] << ": " << finished.err);
+    CHECK(finished.exit_code == 2);
+    CHECK_THAT(finished.err, Contains("deep.json: line 1, column 33: ") && Contains(limit));
+    CHECK(finished.err.size() < 500);
+  }
+}
+
 TEST_CASE("an unknown key is refused with the nearest valid one") {
   CHECK_THAT(refused(with("\"trials\"", "\"trails\"")).err, Contains("trails") && Contains("trials"));
   CHECK_THAT(refused(with("\"bs_density_per_km2\"", "\"bs_densty_per_km2\"")).err,

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "common/base/json_text.hpp"
 
 namespace aloft::train {
 namespace {
@@ -48,12 +50,8 @@ Config read_config(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream)
     throw InputError(fmt::format("{}: cannot be read; give the training's configuration file", file.string()));
-  nlohmann::json json;
-  try {
-    json = nlohmann::json::parse(stream);
-  } catch (const nlohmann::json::parse_error& error) {
-    throw InputError(fmt::format("{}: not JSON: {}", file.string(), error.what()));
-  }
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const nlohmann::json json = parse_json(text, file.string());
   if (!json.is_object()) throw InputError(fmt::format("{}: must be a JSON object", file.string()));
   for (const auto& [key, value] : json.items())
     if (key != "spectral_efficiency" && key != "throughput")

@@ -39,7 +39,7 @@ TEST_CASE("a training configuration fills in defaults and keeps what is given") 
 }
 
 TEST_CASE("a bad training configuration is refused with file, key and range") {
-  CHECK_THAT(refusal("{"), Contains(file.string()) && Contains("not JSON"));
+  CHECK_THAT(refusal("{"), Contains(file.string()) && Contains("line 1, column 2: not valid JSON"));
   CHECK_THAT(refusal("[]"), Contains("must be a JSON object"));
   CHECK_THAT(refusal(R"({"latency": {}})"), Contains("unknown key \"latency\"") && Contains("spectral_efficiency"));
   CHECK_THAT(refusal(R"({"throughput": {"wrlds": 3}})"), Contains("wrlds") && Contains("worlds"));

@@ -1,0 +1,85 @@
+// What `aloft validate` accepts flies in process and over DDS, with the same bytes.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <random>
+
+#include "common/base/limits.hpp"
+#include "tests/integration/command.hpp"
+#include "tests/limits/random_experiment.hpp"
+
+using namespace aloft;
+using namespace aloft::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// False if it is refused.
+bool flies(const nlohmann::json& experiment, const ScratchDir& scratch) {
+  const std::string name = experiment.at("name");
+  const std::string file = (scratch / (name + ".json")).string();
+  write_text(file, experiment.dump(2));
+  INFO(experiment.dump(2));
+  const Finished checked = run_command({"aloft", "validate", file});
+  if (checked.exit_code == 2) return false;
+  CHECK(checked.exit_code == 0);
+  const auto fly = [&](const std::string& where, const std::vector<std::string>& options) {
+    const std::string out = (scratch / (name + where)).string();
+    std::vector<std::string> arguments{"aloft", "run", file, "--out", out};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished finished = run_command(arguments, 120s);
+    INFO(where << ": " << finished.err);
+    CHECK(finished.exit_code == 0);
+    return run_command({"aloft", "digest", out}).out;
+  };
+  const std::string digest = fly("-in-process", {"--in-process"});
+  CHECK(digest.size() == 65);
+  CHECK(fly("-dds", {"--workers", "1", "--domain", test_domain()}) == digest);
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("random experiments that are accepted fly in process and over DDS with the same bytes") {
+  const ScratchDir scratch;
+  const std::uint64_t first = std::random_device()();
+  int flown = 0;
+  for (std::uint64_t seed = first; flown < 3; ++seed) {
+    INFO("seed " << seed);
+    REQUIRE(seed < first + 100);
+    if (flies(random_experiment(seed, scratch.path(), true).json, scratch)) ++flown;
+  }
+}
+
+TEST_CASE("experiments at the limits fly in process and over DDS with the same bytes") {
+  const ScratchDir scratch;
+  const std::uint64_t heights = limits::cells / limits::steps;
+  const std::string csv = (scratch / "longest.csv").string();
+  {
+    std::ofstream longest(csv);
+    longest << "step,height_m,throughput_kbps\n";
+    for (std::uint64_t step = 1; step <= limits::steps; ++step)
+      for (std::uint64_t level = 0; level < heights; ++level)
+        longest << fmt::format("{},{},{}\n", step, 9'000 + 0.001 * static_cast<double>(level),
+                               (step * 7 + level * 13) % 97 == 0 ? 32'000'000 : 10 * ((step * level) % 5'000));
+  }
+  const nlohmann::json measured{{"kind", "measured"}, {"file", csv}};
+  const nlohmann::json highest{{"steps", 3},
+                               {"route_spacing_m", 1000},
+                               {"height_min_m", 30},
+                               {"height_max_m", 30 + 4095},
+                               {"height_step_m", 1},
+                               {"bs_density_per_km2", 1},
+                               {"building_density_per_km2", 0.1},
+                               {"route_start_x_m", -1500}};
+  CHECK(flies({{"name", "limits"},
+               {"seed", UINT64_MAX},
+               {"trials", 1},
+               {"speed_m_per_s", 1},
+               {"energy_weight", 10'000},
+               {"handover_cost", 1'000'000},
+               {"worlds", {measured, highest}},
+               {"agents", {"min-height", "planner", "optimal-height"}}},
+              scratch));
+}

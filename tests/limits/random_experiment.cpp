@@ -1,0 +1,166 @@
+#include "tests/limits/random_experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/agents/registry.hpp"
+#include "common/base/limits.hpp"
+#include "common/base/random.hpp"
+#include "common/experiment/file_keys.hpp"
+#include "common/radio/generated_world.hpp"
+
+namespace aloft::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : random_(seed, 0, "random experiment") {}
+
+  bool chance(double probability) { return random_.uniform() < probability; }
+  std::uint32_t below(std::size_t n) { return random_.uniform_index(static_cast<std::uint32_t>(n)); }
+  template <class T>
+  T one_of(const std::vector<T>& values) {
+    return values[below(values.size())];
+  }
+  double between(double low, double high) {
+    if (chance(0.2)) return low;
+    if (chance(0.2)) return high;
+    if (low > 0.0 && chance(0.5)) return std::clamp(low * std::pow(high / low, random_.uniform()), low, high);
+    return random_.uniform(low, high);
+  }
+  int whole(double low, double high) { return static_cast<int>(std::floor(between(low, high))); }
+
+  Json value(const ParameterSpec& spec) {
+    switch (spec.kind) {
+      case ParameterSpec::Kind::number:
+        return between(spec.minimum, spec.maximum);
+      case ParameterSpec::Kind::integer:
+        return whole(spec.minimum, spec.maximum);
+      case ParameterSpec::Kind::flag:
+        return chance(0.5);
+      case ParameterSpec::Kind::choice:
+        return one_of(spec.choices);
+      case ParameterSpec::Kind::text:
+        break;
+    }
+    return std::get<std::string>(spec.default_value);
+  }
+
+  /// Some parameters of a table, but for those in `except`.
+  Json some_of(std::span<const ParameterSpec> table, double share, const std::vector<std::string>& except = {}) {
+    Json values = Json::object();
+    for (const ParameterSpec& spec : table)
+      if (std::find(except.begin(), except.end(), spec.name) == except.end() &&
+          spec.kind != ParameterSpec::Kind::text && chance(share))
+        values[spec.name] = value(spec);
+    return values;
+  }
+
+ private:
+  RandomStream random_;
+};
+
+/// Heights that divide as they must, mostly.
+void put_heights(Draw& draw, bool small, Json& world) {
+  const double base_m = draw.between(1, 200);
+  const double step_m = draw.one_of<double>({0.1, 0.5, 1, 10, 100, 1000});
+  const int levels = draw.chance(0.1) ? 0 : draw.whole(1, std::min(small ? 30.0 : 5000.0, 9'000.0 / step_m));
+  const int parts = draw.one_of<int>({1, 1, 2, 5, 10});
+  world["base_station_height_m"] = base_m;
+  world["height_min_m"] = std::ceil(base_m) + draw.one_of<int>({0, 0, 10});
+  world["height_max_m"] = world["height_min_m"].get<double>() + step_m * levels;
+  world["height_step_m"] = step_m;
+  world["height_resolution_m"] = step_m / parts;
+}
+
+/// A route that ends within the city, mostly.
+void put_route(Draw& draw, bool small, Json& world) {
+  const double window_m = draw.between(100, small ? 3'000 : 10'000);
+  const int steps = draw.whole(1, small ? 30 : 10'000);
+  const double length_m = draw.between(0.1 * steps, std::max(0.1 * steps, 0.95 * window_m));
+  world["window_m"] = window_m;
+  world["steps"] = steps;
+  world["route_spacing_m"] = std::min(1000.0, length_m / steps);
+  world["route_start_x_m"] = -0.5 * length_m;
+  if (draw.chance(0.5)) world["route_offset_max_m"] = draw.between(0, 0.5 * window_m);
+}
+
+Json generated_world(Draw& draw, bool small) {
+  Json world = draw.some_of(radio::generated_world_parameters(), draw.one_of<double>({0.05, 0.3}));
+  put_heights(draw, small, world);
+  put_route(draw, small, world);
+  const double area_km2 = std::pow(world["window_m"].get<double>() / 1000.0, 2);
+  const double most = small ? std::clamp(60.0 / area_km2, 0.1, 500.0) : 500.0;
+  world["bs_density_per_km2"] = draw.between(std::clamp(10.0 / area_km2, 0.1, most), most);
+  if (!world.contains("building_density_per_km2") || small)
+    world["building_density_per_km2"] = draw.between(0, small ? 100 : 2000);
+  if (draw.chance(0.7)) {  // else it may ask for more than there are
+    world.erase("candidates");
+    world["min_base_stations"] = 6;
+  }
+  return world;
+}
+
+/// Columns as they may be, and now and then as they may not.
+Json measured_world(Draw& draw, bool small, const std::filesystem::path& file) {
+  const bool long_flight = !small && draw.chance(0.2);
+  const int heights = draw.whole(2, long_flight ? 70 : 40);
+  const int steps = long_flight ? draw.one_of<int>({16'000, 16'384, 16'385, 20'000}) : draw.whole(1, 40);
+  const double spacing_m = draw.one_of<double>({1e-4, 1e-3, 0.1, 1, 10, 100});
+  const double lowest_m = draw.whole(0, 9'000);
+  const double most_kbps = draw.one_of<double>({1e5, 1e6, 3.2e7, 4e7, limits::quality});
+  const bool with_sinr = draw.chance(0.5);
+  const bool with_cell = draw.chance(0.5);
+  std::ofstream csv(file);
+  csv << "step,height_m,throughput_kbps" << (with_sinr ? ",sinr_db" : "") << (with_cell ? ",serving_cell" : "") << "\n";
+  for (int step = 1; step <= steps; ++step)
+    for (int level = 0; level < heights; ++level) {
+      csv << fmt::format("{},{},{}", step, lowest_m + spacing_m * level, draw.between(0, most_kbps));
+      if (with_sinr) csv << fmt::format(",{}", draw.between(-200, 200));
+      if (with_cell) csv << fmt::format(",{}", draw.one_of<int>({0, 1, 2147483647}));
+      csv << "\n";
+    }
+  return {{"kind", "measured"}, {"file", file.string()}};
+}
+
+/// One of the agents that this program can make, with some of its parameters; never one that learns for long.
+Json agent(Draw& draw, std::size_t number) {
+  static const std::vector<std::string> slow{
+      "epochs",          "hidden_width",     "hidden_layers",           "minibatch",
+      "replay_capacity", "se_horizon_steps", "throughput_horizon_steps"};
+  std::vector<const agents::AgentType*> types;
+  for (const agents::AgentType& type : agents::agent_types())
+    if (!type.foreign && !type.relay) types.push_back(&type);
+  const agents::AgentType& type = *draw.one_of(types);
+  Json entry = draw.some_of(type.parameters, draw.one_of<double>({0.0, 0.3}), slow);
+  if (type.name == "dqn") entry.update({{"epochs", 2}, {"hidden_width", 8}, {"minibatch", 4}, {"replay_capacity", 8}});
+  entry["type"] = type.name;
+  entry["name"] = fmt::format("agent-{}", number);
+  return entry;
+}
+
+}  // namespace
+
+RandomExperiment random_experiment(std::uint64_t seed, const std::filesystem::path& folder, bool small) {
+  Draw draw(seed);
+  RandomExperiment result{draw.some_of(experiment::file_settings(), 0.3, {"trials", "on_agent_loss"}), small};
+  result.small = small || draw.chance(0.7);
+  result.json["name"] = fmt::format("random-{}", seed);
+  result.json["seed"] = draw.chance(0.2) ? UINT64_MAX : seed;
+  result.json["trials"] = draw.whole(1, 2);
+  result.json["world"] = draw.chance(0.5) ? generated_world(draw, result.small)
+                                          : measured_world(draw, result.small, folder / fmt::format("{}.csv", seed));
+  result.json["agents"] = Json::array();
+  for (std::size_t i = 0; i < 1 + draw.below(3); ++i) result.json["agents"].push_back(agent(draw, i));
+  return result;
+}
+
+}  // namespace aloft::test

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/radio/generated_world.hpp"
 
 namespace aloft::experiment {
@@ -34,11 +35,9 @@ std::string name_of(const OrderedJson& world, const std::string& where) {
   if (name == world.end()) return {};
   const bool is_text = name->is_string();
   std::string text = is_text ? name->get<std::string>() : "";
-  const bool printable =
-      std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= ' '; });
-  if (text.empty() || text.size() > max_world_name_length || !printable)
-    throw InputError(fmt::format("{}.name: {} is not allowed; use a text of 1 to {} characters on one line", where,
-                                 name->dump(), max_world_name_length));
+  if (text.empty() || text.size() > max_world_name_length || plain_text(text) != text)
+    throw InputError(fmt::format("{}.name: {} is not allowed; use a text of 1 to {} bytes, printable and on one line",
+                                 where, name->dump(), max_world_name_length));
   return text;
 }
 

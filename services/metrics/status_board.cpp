@@ -36,7 +36,7 @@ void StatusBoard::on_tick(Clock::time_point now, const std::string& paused) {
 
 std::string StatusBoard::status_json() const {
   const std::lock_guard lock(mutex_);
-  return view_.to_json(Clock::now()).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return view_.to_json(Clock::now()).dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 HttpResponse StatusBoard::health(Clock::time_point now) const {

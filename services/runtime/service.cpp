@@ -17,6 +17,7 @@
 
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/plain_log.hpp"
 #include "services/runtime/standstill_watch.hpp"
 
 namespace aloft::runtime {
@@ -51,7 +52,7 @@ void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
 /// Standard error alone, until the options are known.
 void open_first_log(const std::string& name) {
   auto logger = std::make_shared<spdlog::logger>(name, std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  logger->set_pattern("%n: %v");
+  logger->set_formatter(plain_log("%n: %v"));
   spdlog::set_default_logger(std::move(logger));
 }
 
@@ -73,7 +74,7 @@ void open_log(const CommonOptions& options, const ServiceInfo& info) {
   }
   auto logger = std::make_shared<spdlog::logger>(name, sinks.begin(), sinks.end());
   logger->set_level(spdlog::level::from_str(options.log_level));
-  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %n: %v");
+  logger->set_formatter(plain_log("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %n: %v"));
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
 }

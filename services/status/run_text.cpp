@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/base/plain_text.hpp"
 #include "services/status/run_view.hpp"
 
 namespace aloft::status {
@@ -13,12 +14,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr double lost_after_s = 3.0;
 
-/// A text of the run, on one line and without what a terminal would take for a command.
+/// A text of the run, as it may stand on a line.
 std::string text(const Json& object, const char* key) {
-  std::string plain = object.at(key).get<std::string>();
-  for (char& c : plain)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = c == '\n' ? ';' : ' ';
-  return plain;
+  return plain_text(object.at(key).get_ref<const std::string&>());
 }
 
 /// "dqn flying, planner lost since 0:12"; those that are merely there by name only.

@@ -125,7 +125,21 @@ TEST_CASE("messages cannot command the terminal", "[status]") {
   auto news = run_news();
   news.message("trial 3 failed\n\033[2Jtrial 4 failed");
   view.on_run(news, start);
-  CHECK_THAT(status::run_text(view.to_json(start)), Contains("! trial 3 failed; [2Jtrial 4 failed\n"));
+  CHECK_THAT(status::run_text(view.to_json(start)), Contains("! trial 3 failed; \\x1b[2Jtrial 4 failed\n"));
+}
+
+TEST_CASE("what cannot be read of an experiment is left out", "[status]") {
+  status::RunView view("demo");
+  wire::RunControl control;
+  for (const std::string& text : {std::string(R"({"name": 5})"), std::string("[1]"), std::string("{"), std::string(),
+                                  std::string(200'000, '['), std::string("\"\xff\"")}) {
+    control.experiment_json(wire::bytes(text));
+    view.on_control(control);
+    CHECK(view.to_json(start)["experiment"] == "");
+  }
+  control.experiment_json(wire::bytes(R"({"name": "the-one"})"));
+  view.on_control(control);
+  CHECK(view.to_json(start)["experiment"] == "the-one");
 }
 
 TEST_CASE("times are written as on a clock", "[status]") {

@@ -8,6 +8,7 @@
 
 #include "common/base/cores.hpp"
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/warnings.hpp"
 #include "common/store/result_store.hpp"
@@ -90,7 +91,7 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
     fmt::print(stderr, "warning: {}\n", warning.text);
   std::vector<std::string> failures;
   const bool complete = fly_missing(experiment, dir, options, interrupted, failures);
-  for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", line);
+  for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", plain_text(line));
   if (interrupted) {
     fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n",
                dir.string());

@@ -7,6 +7,8 @@
 #include "common/base/build_info.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
+#include "services/runtime/plain_log.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace {
@@ -37,7 +39,8 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
   std::string path;
   for (const CLI::App* part = command; part != nullptr; part = part->get_parent())
     path = part->get_name() + (path.empty() ? "" : " ") + path;
-  fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, error.what(), hint, path);
+  fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, aloft::plain_lines(error.what()), hint,
+             path);
   return aloft::exit_bad_input;
 }
 
@@ -48,7 +51,7 @@ int main(int argc, char** argv) {
   // Standard output is for results.
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("aloft", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
-  spdlog::set_pattern("%n: %^%l%$: %v");
+  spdlog::set_formatter(aloft::runtime::plain_log("%n: %^%l%$: %v"));
   CLI::App app{
       "Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.",
       "aloft"};
@@ -83,10 +86,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return report_usage_error(app, error, std::vector<std::string>(argv + 1, argv + argc));
   } catch (const aloft::InputError& error) {
-    fmt::print(stderr, "aloft: {}\n", error.what());
+    fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(error.what()));
     return aloft::exit_bad_input;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "aloft: {}\n", error.what());
+    fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(error.what()));
     return aloft::exit_failure;
   }
 }

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 
+#include "common/base/plain_text.hpp"
 #include "services/status/run_view.hpp"
 
 namespace aloft::cli {
@@ -32,7 +33,7 @@ void Progress::update(std::uint64_t flights_done, unsigned workers_alive, unsign
   text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}{}", flights_done, total_, rate, eta,
                       workers_alive, others_joined ? "" : fmt::format("/{}", workers_wanted));
   const bool news = !message.empty() && message != last_message_;
-  if (!message.empty()) text_ += "  " + message;
+  if (!message.empty()) text_ += "  " + plain_text(message);
   last_message_ = message;
   draw(news);
 }
@@ -53,7 +54,7 @@ void Progress::draw(bool force) {
 }
 
 void Progress::note(const std::string& line) {
-  print(line, "\n");
+  print(plain_text(line), "\n");
   if (terminal_) draw(true);
 }
 

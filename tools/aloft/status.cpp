@@ -94,8 +94,9 @@ class Observer {
   std::map<std::string, RunObserver> runs_;
 };
 
+/// In ASCII: of its text, none may reach a terminal as a command.
 std::string dump(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(indent, ' ', true, Json::error_handler_t::replace) + "\n";
 }
 
 std::string nobody(const StatusOptions& options) {

@@ -7,6 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/stop_signal.hpp"
 #include "common/bus/waiter.hpp"
@@ -105,7 +106,7 @@ class Swap {
 
   int tell() {
     if (!reply_.accepted())
-      throw InputError(fmt::format("worker '{}': {}", options_.place.worker, wire::view(reply_.message())));
+      throw InputError(fmt::format("worker '{}': {}", options_.place.worker, plain_text(wire::view(reply_.message()))));
     const std::uint32_t flights = reply_.flights_waiting() + reply_.flights_flown();
     fmt::print("{} flies {} of worker {} {}, and those that start later\n", options_.agent,
                flights == 1 ? "the 1 flight in the air" : fmt::format("the {} flights in the air", flights),

@@ -14,6 +14,7 @@
 #include "common/base/cores.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
@@ -151,7 +152,8 @@ class Membership {
       workers.drain([this](const wire::WorkerStatus& status) {
         if (status.worker() == options_.name && status.capacity() > 0)
           throw InputError(fmt::format("--name {}: run {} has a worker of that name already, on host {} (process {})",
-                                       options_.name, options_.bus.run, wire::view(status.host()), status.pid()));
+                                       options_.name, options_.bus.run, plain_text(wire::view(status.host())),
+                                       status.pid()));
       });
     }
   }

@@ -118,6 +118,34 @@ TEST_CASE("a late joiner gets the state, and one sample of a megabyte arrives in
   CHECK(wire::view(sample.experiment_id()) == "0123456789abcdef");
 }
 
+TEST_CASE("what strangers say about a run does not push out what the coordinator says, and who said what is known") {
+  const bus::Participant coordinator(place("the-coordinator"));
+  const bus::Participant stranger(place("a-stranger"));
+  const bus::Participant there(place("there"));
+  bus::Writer<wire::RunControl> ours(coordinator);
+  bus::Writer<wire::RunControl> theirs(stranger);
+  bus::Reader<wire::RunControl> reader(there);
+  REQUIRE(eventually([&] { return ours.matched() == 1 && theirs.matched() == 1 && reader.matched() == 2; }));
+  wire::RunControl control;
+  control.experiment_id(wire::experiment_id("0123456789abcdef"));
+  ours.write(control);
+  REQUIRE(ours.wait_acknowledged(limit));
+  control.experiment_id(wire::experiment_id("somebody's"));
+  for (int i = 0; i < 10; ++i) {
+    theirs.write(control);
+    REQUIRE(theirs.wait_acknowledged(limit));
+  }
+  std::map<std::string, int> samples;
+  std::string sender;
+  reader.drain([&](const wire::RunControl& sample) {
+    if (wire::view(sample.experiment_id()) == "0123456789abcdef") sender = reader.sender();
+    ++samples[reader.sender()];
+  });
+  CHECK_THAT(sender, Contains("'the-coordinator-w0' at 127.0.0.1 ("));
+  CHECK(samples.size() == 2);
+  CHECK(samples[sender] == 1);
+}
+
 TEST_CASE("many keys: none is lost, whatever the middleware's default limit of ten") {
   const bus::Participant here(place("here"));
   const bus::Participant there(place("there"));

@@ -25,12 +25,14 @@ constexpr auto tick_time = 50ms;
 constexpr auto status_time = 500ms;
 constexpr auto status_time_on_change = 100ms;
 constexpr auto say_again_time = 10s;
-constexpr auto farewell_time = 1s;              // for the last message to arrive
-constexpr auto absence_time = 5s;               // for the absent to come back and hear it, too
-constexpr auto absent_patience = 10s;           // whoever is silent for longer is not waited for
-constexpr auto database_time = 10s;             // for the collector to make the database
-constexpr auto reread_delay = 1s;               // until both sides of a new connection know each other
-constexpr std::uint32_t reread_flights = 5000;  // at a time: some 20 ms
+constexpr auto offer_again_time = 2s;             // the experiment, if it is small:
+constexpr double offer_again_bytes_per_s = 50e3;  // to each process
+constexpr auto farewell_time = 1s;                // for the last message to arrive
+constexpr auto absence_time = 5s;                 // for the absent to come back and hear it, too
+constexpr auto absent_patience = 10s;             // whoever is silent for longer is not waited for
+constexpr auto database_time = 10s;               // for the collector to make the database
+constexpr auto reread_delay = 1s;                 // until both sides of a new connection know each other
+constexpr std::uint32_t reread_flights = 5000;    // at a time: some 20 ms
 constexpr std::size_t failures_told = 20;
 
 /// The collector's database, if there is one yet. The collector may be making it at this moment, so errors count only
@@ -104,6 +106,7 @@ class Conversation {
       const auto now = Clock::now();
       for (const Order& order : coordinator_.tick(now)) assignments_.write(to_wire(order, experiment_.id));
       publish_status(now);
+      offer_again(now);
       give_up_if_alone(now);
     }
     const bool stopped = !coordinator_.over() && collector_failure_.empty();
@@ -193,8 +196,17 @@ class Conversation {
     wire::RunControl control;
     control.experiment_id(wire::experiment_id(experiment_.id));
     control.state(state);
-    control.experiment_json(wire::bytes(experiment_.canonical.dump()));
+    control.experiment_json(wire::bytes(canonical_json_));
     controls_.write(control);
+  }
+
+  /// Who starts late gets what was said last, but in a run without keys a stranger may say something, too, and push it
+  /// out of the newcomer's memory. Whoever does not know the experiment cannot say so: it is offered again and again.
+  void offer_again(Clock::time_point now) {
+    if (now < offer_at_) return;
+    say(wire::RUN_RUNNING);
+    const std::chrono::duration<double> pause(static_cast<double>(canonical_json_.size()) / offer_again_bytes_per_s);
+    offer_at_ = now + std::max<Clock::duration>(offer_again_time, std::chrono::ceil<Clock::duration>(pause));
   }
 
   void give_up_if_alone(Clock::time_point now) const {
@@ -245,6 +257,7 @@ class Conversation {
   runtime::Notifier& notifier_;
   const ServiceOptions& options_;
   const experiment::Experiment& experiment_;
+  const std::string canonical_json_ = experiment_.canonical.dump();
   bus::Participant participant_;
   bus::Waiter waiter_;
   bus::Writer<wire::RunControl> controls_{participant_};
@@ -263,6 +276,7 @@ class Conversation {
   Progress told_;
   Clock::time_point told_at_;
   Clock::time_point said_at_;
+  Clock::time_point offer_at_ = Clock::now() + offer_again_time;
   Clock::time_point progress_logged_at_ = Clock::now();
 };
 

@@ -2,7 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/base/plain_text.hpp"
+
 namespace aloft::runtime {
+namespace {
+
+constexpr std::size_t longest_reason = 500;
+constexpr std::size_t senders_told = 64;
+
+}  // namespace
 
 bool RunFollower::update() {
   const bool known_before = experiment_ != nullptr;
@@ -25,9 +33,15 @@ void RunFollower::follow(const wire::RunControl& control) {
     spdlog::info("experiment {} ({}): {} agents", experiment->name, experiment->id, experiment->agents.size());
     experiment_ = std::move(experiment);
   } catch (const std::exception& error) {
-    spdlog::error("cannot fly this run: {}", error.what());
-    controls_.drop("the experiment cannot be read");
+    refuse(error.what());
   }
+}
+
+void RunFollower::refuse(std::string_view reason) {
+  if (refused_senders_.size() < senders_told && refused_senders_.insert(controls_.sender()).second)
+    spdlog::error("cannot fly the experiment that {} offers: {}", controls_.sender(),
+                  plain_text(reason, longest_reason));
+  controls_.drop("the experiment cannot be read");
 }
 
 }  // namespace aloft::runtime

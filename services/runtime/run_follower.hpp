@@ -1,6 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <set>
+#include <string>
+#include <string_view>
 
 #include "common/bus/endpoint.hpp"
 #include "common/experiment/experiment.hpp"
@@ -24,9 +27,12 @@ class RunFollower {
 
  private:
   void follow(const wire::RunControl& control);
+  /// Logs it once for every sender: who offers something unreadable may do so for ever.
+  void refuse(std::string_view reason);
 
   bus::Reader<wire::RunControl> controls_;
   std::shared_ptr<const experiment::Experiment> experiment_;
+  std::set<std::string> refused_senders_;
   bool over_ = false;
 };
 

@@ -17,9 +17,12 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
+#include <set>
 #include <thread>
 
 #include "common/base/random.hpp"
+#include "common/bus/endpoint.hpp"
 #include "common/store/result_store.hpp"
 #include "tests/faults/effort.hpp"
 #include "tests/faults/fault_scene.hpp"
@@ -47,7 +50,19 @@ class Pestered {
     Rogue<T, Generated> rogue(participant_);
     const std::string topic(bus::topic_settings<T>().name);
     INFO(topic);
-    REQUIRE(eventually(30s, [&] { return rogue.matched() >= static_cast<int>(readers.size()); }));
+    sent_.insert(topic);
+    // What no process of a run reads, the test does, as a command of the operator would.
+    const bus::Participant here(place());
+    std::optional<bus::Reader<T>> own;
+    if (readers.empty()) own.emplace(here);
+    REQUIRE(
+        eventually(30s, [&] { return rogue.matched() >= static_cast<int>(std::max<std::size_t>(1, readers.size())); }));
+    const auto counted = [&](const std::string& kind) {
+      if (!own) return true;
+      own->drain([](const T&) {});
+      const bus::Drops drops = own->drops();
+      return (kind == "a foreign" ? drops.foreign : kind == "an invalid" ? drops.invalid : drops.malformed) > 0;
+    };
     const auto told = [&](const std::string& reader, const char* kind) {
       const std::string line = fmt::format("{}: dropped {} sample", topic, kind);
       return scene_.log("pestered", reader).find(line) != std::string::npos;
@@ -57,7 +72,8 @@ class Pestered {
       const bool all_told = eventually(30s, [&] {
         write();
         std::this_thread::sleep_for(50ms);
-        return std::all_of(readers.begin(), readers.end(), [&](const auto& reader) { return told(reader, kind); });
+        return counted(kind) &&
+               std::all_of(readers.begin(), readers.end(), [&](const auto& reader) { return told(reader, kind); });
       });
       INFO(kind);
       CHECK(all_told);
@@ -97,6 +113,13 @@ class Pestered {
 
   void check_finished() { scene_.check_finished("pestered", *run_, 120s); }
 
+  /// No topic was forgotten.
+  void check_sent() const {
+    std::set<std::string> all;
+    for (const bus::TopicSettings* topic : bus::all_topics()) all.emplace(topic->name);
+    CHECK(sent_ == all);
+  }
+
   [[nodiscard]] bus::BusOptions place() const {
     return {.run = name_, .worker = "w0", .process = "rogue", .domain = std::stoi(test_domain())};
   }
@@ -106,6 +129,7 @@ class Pestered {
   std::string name_ = fmt::format("pestered-{}", getpid());
   std::string experiment_id_ = store::ResultStore::open_for_reading(scene_.out("reference")).experiment().id;
   bus::Participant participant_{place()};
+  std::set<std::string> sent_;
   std::unique_ptr<Command> run_;
 };
 
@@ -195,6 +219,17 @@ TEST_CASE("bad samples on every topic are dropped and counted, and change nothin
   agent.agent(name("dqn"));
   run.send<AgentStatus, AgentStatusPubSubType>(
       agent, {[](auto& s) { s.privilege(static_cast<Privilege>(9)); }, [](auto& s) { s.agent(name("")); }}, {channel});
+  ReportFollowed followed;
+  followed.agent(name("dqn"));
+  run.send<ReportFollowed, ReportFollowedPubSubType>(
+      followed, {[](auto& s) { s.agent(name("")); }, [](auto& s) { s.stream(5000); }}, {channel});
+  SwapRequest swap;
+  swap.agent(name("dqn"));
+  run.send<SwapRequest, SwapRequestPubSubType>(
+      swap, {[](auto& s) { s.agent(name("")); }, [](auto& s) { s.from_step(1U << 31U); }}, {channel});
+  SwapReply reply;
+  reply.accepted(true);
+  run.send<SwapReply, SwapReplyPubSubType>(reply, {[](auto& s) { s.message("but"); }}, {});
   FlightMemory flight_memory;
   flight_memory.memory({1, 2, 3});
   run.send<FlightMemory, FlightMemoryPubSubType>(
@@ -250,6 +285,7 @@ TEST_CASE("bad samples on every topic are dropped and counted, and change nothin
   collector.state(COLLECTOR_FAILED);
   run.send<CollectorStatus, CollectorStatusPubSubType>(
       collector, {[](auto& s) { s.state(static_cast<CollectorState>(9)); }}, {coordinator});
+  run.check_sent();
   run.check_finished();
 }
 

@@ -62,6 +62,10 @@ class Run {
     return FakeWorker(experiment, name_, std::stoi(test_domain()), name);
   }
 
+  [[nodiscard]] bus::BusOptions place(const std::string& process) const {
+    return {.run = name_, .worker = "", .process = process, .domain = std::stoi(test_domain())};
+  }
+
   [[nodiscard]] std::string log(const std::string& program) const {
     return read_text(scratch_ / "log" / (program + ".log"));
   }
@@ -123,6 +127,24 @@ std::optional<std::string> http_get(const Run& run, const std::string& path) {
 }
 
 }  // namespace
+
+TEST_CASE("the experiment is offered again and again, for who lost the offer to a stranger's", "[coordinator]") {
+  const Run run;
+  const bus::Participant observer(run.place("observer"));
+  bus::Reader<wire::RunControl> controls(observer);
+  const auto coordinator = run.start("aloft-coordinator");
+  int offers = 0;
+  pump_until(
+      {},
+      [&] {
+        controls.drain([&](const wire::RunControl& control) {
+          CHECK(experiment::parse(wire::view(control.experiment_json()), "offer").id == run.experiment.id);
+          ++offers;
+        });
+        return offers >= 3;
+      },
+      60s);
+}
 
 TEST_CASE("two workers, every record twice, one of another experiment: all flights once", "[coordinator][metrics]") {
   const Run run;

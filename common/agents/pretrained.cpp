@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +13,7 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/read_file.hpp"
 
 namespace aloft::agents {
 namespace {
@@ -61,14 +60,13 @@ struct LoadedModel {
   FlyingNetwork throughput;
 };
 
-std::string read_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream)
+std::string read_model(const std::string& path) {
+  try {
+    return aloft::read_file(path);
+  } catch (const InputError& error) {
     throw InputError(fmt::format(
-        "{}: cannot be read; give the agent's parameter 'model' a model file, or leave it empty for the built-in one",
-        path));
-  return bytes;
+        "{}; give the agent's parameter 'model' a model file, or leave it empty for the built-in one", error.what()));
+  }
 }
 
 LoadedModel load(std::string_view bytes, std::string_view where) {
@@ -79,7 +77,7 @@ LoadedModel load(std::string_view bytes, std::string_view where) {
 /// The built-in model is made ready once per process: an agent is made for every flight.
 std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::string& sha256) {
   if (!path.empty()) {
-    const std::string bytes = read_file(path);
+    const std::string bytes = read_model(path);
     if (!sha256.empty() && sha256_hex(bytes) != sha256)
       throw InputError(
           fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "

@@ -47,6 +47,11 @@ std::string plain_text(std::string_view text, std::size_t longest) {
   return fmt::format("{}... ({} bytes)", plain_text(beginning_of(text, longest)), text.size());
 }
 
+std::string excerpt(std::string_view text) {
+  constexpr std::size_t longest = 200;
+  return plain_text(text, longest);
+}
+
 std::string plain_lines(std::string_view text) {
   return on_lines(text, "\n");
 }

@@ -13,6 +13,9 @@ namespace aloft {
 /// The same of at most the first `longest` bytes; if that is not all, the size of the whole is added.
 [[nodiscard]] std::string plain_text(std::string_view text, std::size_t longest);
 
+/// Input that a message repeats: plain_text of its first 200 bytes.
+[[nodiscard]] std::string excerpt(std::string_view text);
+
 /// The same for a text of several lines, which stay lines: for messages of our own that quote others.
 [[nodiscard]] std::string plain_lines(std::string_view text);
 

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/bus/keys.hpp"
 #include "common/bus/openssl.hpp"
 
@@ -105,13 +106,18 @@ struct Authority {
 Authority open_authority(const fs::path& dir) {
   const std::string advice =
       fmt::format("there is no authority in {}; make one: aloft keys init {}", dir.string(), dir.string());
-  const openssl::Bio certificate(BIO_new_file((dir / "ca.cert.pem").c_str(), "r"));
-  const openssl::Bio key(BIO_new_file((dir / "ca.key.pem").c_str(), "r"));
-  if (!certificate || !key)
-    throw InputError(
-        fmt::format("cannot read {}: {}", (dir / (certificate ? "ca.key.pem" : "ca.cert.pem")).string(), advice));
-  Authority authority{openssl::Certificate(PEM_read_bio_X509(certificate.get(), nullptr, nullptr, nullptr)),
-                      openssl::Key(PEM_read_bio_PrivateKey(key.get(), nullptr, nullptr, nullptr))};
+  const auto content = [&](const char* name) {
+    try {
+      return read_file(dir / name);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}; {}", error.what(), advice));
+    }
+  };
+  const std::string certificate = content("ca.cert.pem");
+  const std::string key = content("ca.key.pem");
+  Authority authority{
+      openssl::Certificate(PEM_read_bio_X509(openssl::memory(certificate).get(), nullptr, nullptr, nullptr)),
+      openssl::Key(PEM_read_bio_PrivateKey(openssl::memory(key).get(), nullptr, nullptr, nullptr))};
   if (!authority.certificate || !authority.key ||
       X509_check_private_key(authority.certificate.get(), authority.key.get()) != 1)
     throw InputError(
@@ -131,6 +137,17 @@ std::string topic_rules(const char* direction, Role role, Roles TopicSettings::*
       "        <{0}>\n          <topics>\n{1}          </topics>\n"
       "          <partitions><partition>aloft/*</partition></partitions>\n        </{0}>\n",
       direction, topics);
+}
+
+/// A folder of an authority holds nothing else: whoever copies or deletes it means the authority.
+void check_is_free(const fs::path& dir) {
+  std::error_code unreadable;  // then it cannot be made either, which says why
+  if (fs::exists(dir / "ca.key.pem") || fs::exists(dir / "ca.cert.pem"))
+    throw InputError(fmt::format(
+        "{} holds an authority already; use another folder, or remove it if nothing trusts it any more", dir.string()));
+  for (const auto& entry : fs::directory_iterator(dir, unreadable))
+    throw InputError(fmt::format("{} holds other things ('{}'); use a new or empty folder for an authority",
+                                 dir.string(), entry.path().filename().string()));
 }
 
 void write_governance(const fs::path& dir) {
@@ -212,9 +229,7 @@ std::string sign_document(const fs::path& dir, const std::string& text) {
 }
 
 void init_keys(const fs::path& dir, int days) {
-  if (fs::exists(dir / "ca.key.pem") || fs::exists(dir / "ca.cert.pem"))
-    throw InputError(fmt::format(
-        "{} holds an authority already; use another folder, or remove it if nothing trusts it any more", dir.string()));
+  check_is_free(dir);
   make_folder(dir);
   const openssl::Key key(EVP_EC_gen("P-256"));
   check(key != nullptr, "making a key");

@@ -8,10 +8,9 @@
 #include <sys/stat.h>
 
 #include <ctime>
-#include <fstream>
-#include <sstream>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/bus/openssl.hpp"
 
 namespace aloft::bus {
@@ -25,22 +24,18 @@ std::string remedy(const fs::path& dir, Role role) {
 }
 
 std::string read_file(const fs::path& file, const std::string& advice) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream || text.str().empty())
-    throw InputError(
-        fmt::format("{}: {}; {}", file.string(), fs::exists(file) ? "cannot be read" : "is missing", advice));
-  return text.str();
-}
-
-openssl::Bio memory(const std::string& text) {
-  return openssl::Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  constexpr std::uint64_t largest_bytes = 1U << 20U;
+  if (!fs::exists(file)) throw InputError(fmt::format("{}: is missing; {}", file.string(), advice));
+  try {
+    return aloft::read_file(file, largest_bytes);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}; {}", error.what(), advice));
+  }
 }
 
 openssl::Certificate read_certificate(const fs::path& file, const std::string& advice) {
   const std::string text = read_file(file, advice);
-  openssl::Certificate certificate(PEM_read_bio_X509(memory(text).get(), nullptr, nullptr, nullptr));
+  openssl::Certificate certificate(PEM_read_bio_X509(openssl::memory(text).get(), nullptr, nullptr, nullptr));
   if (!certificate) throw InputError(fmt::format("{}: is not a certificate (PEM); {}", file.string(), advice));
   return certificate;
 }
@@ -84,7 +79,7 @@ void check_private(const fs::path& file, const X509* certificate, const std::str
                     "may have",
                     file.string(), facts.st_mode & 0777U, advice));
   const std::string text = read_file(file, advice);
-  const openssl::Key key(PEM_read_bio_PrivateKey(memory(text).get(), nullptr, nullptr, nullptr));
+  const openssl::Key key(PEM_read_bio_PrivateKey(openssl::memory(text).get(), nullptr, nullptr, nullptr));
   if (!key) throw InputError(fmt::format("{}: is not a private key (PEM); {}", file.string(), advice));
   if (X509_check_private_key(certificate, key.get()) != 1)
     throw InputError(fmt::format("{}: does not belong to cert.pem beside it; {}", file.string(), advice));
@@ -104,7 +99,7 @@ void check_certificate(X509* certificate, X509* authority, const fs::path& file,
 /// The text of a document that the authority has signed.
 std::string check_document(const fs::path& file, X509* authority, const std::string& advice) {
   const std::string text = read_file(file, advice);
-  const openssl::Bio source = memory(text);
+  const openssl::Bio source = openssl::memory(text);
   BIO* content = nullptr;
   const openssl::Pkcs7 document(SMIME_read_PKCS7(source.get(), &content));
   const openssl::Bio owned(content);

@@ -27,6 +27,8 @@ using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
 using Pkcs7 = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
 using Number = std::unique_ptr<BIGNUM, Free<BN_free>>;
 
+/// To read from a text, which must outlive it.
+[[nodiscard]] Bio memory(const std::string& text);
 /// What was written into a memory BIO.
 [[nodiscard]] std::string text_of(BIO* bio);
 /// "CN=...,OU=...,O=...", as permissions name the holder of a certificate.

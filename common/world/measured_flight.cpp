@@ -7,16 +7,16 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
+#include "common/base/read_file.hpp"
 
 namespace aloft::world {
 namespace {
@@ -125,7 +125,7 @@ class Reader {
     for (const Field& field : split(*line, line_number_)) {
       const auto at = std::find(names.begin(), names.end(), field.text);
       if (at == names.end())
-        fail(field, fmt::format("unknown column '{}' in the header.{} Allowed: {}", field.text,
+        fail(field, fmt::format("unknown column '{}' in the header.{} Allowed: {}", excerpt(field.text),
                                 did_you_mean(field.text, names), fmt::join(names, ", ")));
       const auto index = static_cast<ColumnIndex>(at - names.begin());
       if (has(index)) fail(field, fmt::format("column '{}' stands twice in the header", field.text));
@@ -157,7 +157,7 @@ class Reader {
     const auto [stopped, error] = std::from_chars(field.text.data(), end, value);
     const bool is_number = error == std::errc{} && stopped == end && std::isfinite(value);
     if (!is_number || value < column.minimum || value > column.maximum || (column.whole && value != std::floor(value)))
-      fail(field, fmt::format("{} is '{}'; use a {} from {} to {}", column.name, field.text,
+      fail(field, fmt::format("{} is '{}'; use a {} from {} to {}", column.name, excerpt(field.text),
                               column.whole ? "whole number" : "number", column.minimum, column.maximum));
     return value;
   }
@@ -282,14 +282,7 @@ MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name
 }
 
 MeasuredFlight read_measured_flight(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || std::filesystem::is_directory(file) || !(text << stream.rdbuf()))
-    throw InputError(
-        fmt::format("{}: cannot be read; give the path of a readable CSV file with the columns step, "
-                    "height_m, throughput_kbps",
-                    file.string()));
-  return parse_measured_flight(text.str(), file.string());
+  return parse_measured_flight(read_file(file), file.string());
 }
 
 }  // namespace aloft::world

@@ -116,7 +116,7 @@ TEST_CASE("unreadable files are named") {
       static_cast<void>(world::read_measured_flight(path));
       FAIL("accepted");
     } catch (const InputError& error) {
-      CHECK_THAT(error.what(), Contains(path) && Contains("cannot be read"));
+      CHECK_THAT(error.what(), Contains(path) && Contains("cannot read"));
     }
   }
 }

@@ -7,12 +7,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <memory>
-#include <sstream>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 
 namespace aloft::importer {
 namespace {
@@ -22,16 +21,6 @@ constexpr std::size_t max_unpacked_bytes = std::size_t{1} << 28U;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, std::string_view reason, std::string_view advice) {
   throw InputError(fmt::format("{}: {}. {}.", file.string(), reason, advice));
-}
-
-std::string read_bytes(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) refuse(file, "this is a folder", "Name an .Rdata file");
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream bytes;
-  if (in.peek() != std::ifstream::traits_type::eof()) bytes << in.rdbuf();
-  if (!in.good() && !in.eof()) refuse(file, "the file cannot be read", "Check its name and permissions");
-  return std::move(bytes).str();
 }
 
 /// zlib's inflate over a byte string.
@@ -72,12 +61,11 @@ class Inflater {
 };
 
 std::string unpack(const std::filesystem::path& file) {
-  std::string packed = read_bytes(file);
+  std::string packed = read_file(file, max_unpacked_bytes);
   if (packed.rfind("\x1f\x8b", 0) != 0)
     refuse(file, packed.empty() ? "the file is empty" : "this is not a gzip file",
            "Give a workspace as R's save() writes it; one saved otherwise can be loaded and saved again in R with "
            "save(..., compress = \"gzip\")");
-  if (packed.size() > max_unpacked_bytes) refuse(file, "the file is larger than 256 MB", "Name a published workspace");
   std::string unpacked = Inflater().unpack(file, std::move(packed));
   const bool xdr = unpacked.rfind("RDX2\nX\n", 0) == 0 || unpacked.rfind("RDX3\nX\n", 0) == 0;
   if (!xdr)

@@ -71,7 +71,7 @@ TEST_CASE("what is no gzip file, or no R workspace inside, is refused with the r
   CHECK_THAT(refusal(gzip("hello")), Contains("no R workspace"));
   CHECK_THAT(refusal(gzip("")), Contains("no R workspace"));
   CHECK_THROWS_WITH(read_r_workspace("/no/such/file.Rdata"),
-                    Contains("/no/such/file.Rdata") && Contains("cannot be read"));
+                    Contains("/no/such/file.Rdata") && Contains("cannot read"));
   CHECK_THROWS_WITH(read_r_workspace("/tmp"), Contains("folder"));
 }
 

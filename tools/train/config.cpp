@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/plain_text.hpp"
+#include "common/base/read_file.hpp"
 
 namespace aloft::train {
 namespace {
@@ -47,16 +47,12 @@ nlohmann::json Config::canonical() const {
 }
 
 Config read_config(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream)
-    throw InputError(fmt::format("{}: cannot be read; give the training's configuration file", file.string()));
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const nlohmann::json json = parse_json(text, file.string());
+  const nlohmann::json json = parse_json(read_file(file), file.string());
   if (!json.is_object()) throw InputError(fmt::format("{}: must be a JSON object", file.string()));
   for (const auto& [key, value] : json.items())
     if (key != "spectral_efficiency" && key != "throughput")
       throw InputError(
-          fmt::format("{}: unknown key \"{}\"; allowed: spectral_efficiency, throughput", file.string(), key));
+          fmt::format("{}: unknown key \"{}\"; allowed: spectral_efficiency, throughput", file.string(), excerpt(key)));
   const auto stage = [&](const char* key, agents::QosKind kind) {
     return Parameters(stage_parameters(kind), json.value(key, nlohmann::json::object()),
                       fmt::format("{}: {}", file.string(), key));

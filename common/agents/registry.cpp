@@ -13,6 +13,7 @@
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
 
 namespace aloft::agents {
 namespace {
@@ -34,8 +35,8 @@ const AgentType* find_type(std::string_view name) {
 [[noreturn]] void refuse_unknown(std::string_view name, std::string_view where) {
   std::vector<std::string> names;
   for (const AgentType& type : registered_types()) names.push_back(type.name);
-  throw InputError(fmt::format("{}{}unknown agent '{}'.{} Valid agents: {}", where, where.empty() ? "" : ": ", name,
-                               did_you_mean(name, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("{}{}unknown agent '{}'.{} Valid agents: {}", where, where.empty() ? "" : ": ",
+                               excerpt(name), did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
 bool is_name_character(char c) {
@@ -43,9 +44,9 @@ bool is_name_character(char c) {
 }
 
 void check_name(const std::string& name, const AgentType& type, std::string_view where) {
-  if (name.empty() || name.size() > limits::name_bytes || !std::all_of(name.begin(), name.end(), is_name_character))
+  if (!is_agent_name(name))
     throw InputError(fmt::format("{}: agent name \"{}\" is not allowed; use 1 to {} characters of a-z, 0-9, '.', '-'",
-                                 where, name, limits::name_bytes));
+                                 where, excerpt(name), limits::name_bytes));
   const AgentType* other = find_type(name);
   if (other != nullptr && other != &type)
     throw InputError(
@@ -80,8 +81,8 @@ Json expand_short_form(const std::string& text, std::string_view where) {
     if (type.name_parameter.empty() || !text.starts_with(type.name + '-')) continue;
     const auto value = as_number(std::string_view(text).substr(type.name.size() + 1));
     if (!value)
-      throw InputError(fmt::format("{}: \"{}\" is not allowed; after \"{}-\" write a number for {}", where, text,
-                                   type.name, type.name_parameter));
+      throw InputError(fmt::format("{}: \"{}\" is not allowed; after \"{}-\" write a number for {}", where,
+                                   excerpt(text), type.name, type.name_parameter));
     return {{"type", type.name}, {"name", text}, {type.name_parameter, *value}};
   }
   refuse_unknown(text, where);
@@ -91,7 +92,7 @@ std::string take_text(Json& object, const char* key, std::string_view where) {
   const auto entry = object.find(key);
   if (entry == object.end()) return {};
   if (!entry->is_string())
-    throw InputError(fmt::format("{}.{}: {} is not allowed; use a text", where, key, entry->dump()));
+    throw InputError(fmt::format("{}.{}: {} is not allowed; use a text", where, key, excerpt(entry->dump())));
   auto text = entry->get<std::string>();
   object.erase(entry);
   return text;
@@ -102,14 +103,28 @@ struct Variant {
   Json parameters;
 };
 
+/// How many combinations the values in lists make must be known before they are made.
+void check_combinations(const Json& given, std::string_view where) {
+  double combinations = 1;  // may be more than any integer
+  for (const auto& value : given)
+    if (value.is_array()) combinations *= static_cast<double>(value.size());
+  if (combinations > static_cast<double>(limits::agents))
+    throw InputError(
+        fmt::format("{}: its lists make {:.15g} combinations, but an experiment has at most {} agents; list fewer "
+                    "values, or make several experiments",
+                    where, combinations, limits::agents));
+}
+
 /// One variant per combination of the values in lists.
 std::vector<Variant> expand_lists(const Json& given, const std::string& name, bool name_given, const AgentType& type,
                                   std::string_view where) {
+  check_combinations(given, where);
   std::vector<Variant> variants{{name, Json::object()}};
   for (const auto& [key, value] : given.items()) {
     const bool in_name = value.is_array() || (key == type.name_parameter && !name_given);
     const Json values = value.is_array() ? value : Json::array({value});
-    if (values.empty()) throw InputError(fmt::format("{}.{}: [] is not allowed; list at least one value", where, key));
+    if (values.empty())
+      throw InputError(fmt::format("{}.{}: [] is not allowed; list at least one value", where, excerpt(key)));
     std::vector<Variant> next;
     for (const Variant& variant : variants) {
       for (const Json& one : values) {
@@ -124,6 +139,10 @@ std::vector<Variant> expand_lists(const Json& given, const std::string& name, bo
 }
 
 }  // namespace
+
+bool is_agent_name(std::string_view text) noexcept {
+  return !text.empty() && text.size() <= limits::name_bytes && std::all_of(text.begin(), text.end(), is_name_character);
+}
 
 bool register_agent(AgentType type) {
   auto& types = registered_types();
@@ -179,7 +198,7 @@ std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
     throw InputError(
         fmt::format("{}: {} is not allowed; use an agent's name, or an object with \"type\", optional "
                     "\"name\" and parameters",
-                    where, entry.dump()));
+                    where, excerpt(entry.dump())));
   const std::string type_name = take_text(object, "type", where);
   const AgentType* type = find_type(type_name);
   if (type == nullptr) refuse_unknown(type_name, fmt::format("{}.type", where));

@@ -79,9 +79,12 @@ struct CrewMember {
   }
 };
 
+/// 1 to 64 characters of a-z, 0-9, '.' and '-'.
+[[nodiscard]] bool is_agent_name(std::string_view text) noexcept;
+
 /// From an experiment file's entry: "min-height", "constant-120", {"type": "dqn", "loss": "cross-entropy", "name":
 /// "dqn-ce"}. A list as a parameter's value makes one agent per value, named type-value (several lists: every
-/// combination, values in the order of their keys). Names have at most 64 characters, [a-z0-9.-]. `where` is the JSON
+/// combination, values in the order of their keys). Names are as is_agent_name says. `where` is the JSON
 /// path for errors (InputError).
 [[nodiscard]] std::vector<AgentSpec> parse_agents(const nlohmann::json& entry, std::string_view where);
 

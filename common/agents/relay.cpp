@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 
 namespace aloft::agents {
 namespace {
@@ -16,7 +17,7 @@ AgentSpec one_agent(const Json& entry, const std::string& where) {
   std::vector<AgentSpec> specs = parse_agents(entry, where);
   if (specs.size() != 1)
     throw InputError(fmt::format("{}: {} is not allowed; a crew member is one agent, so give each parameter one value",
-                                 where, entry.dump()));
+                                 where, excerpt(entry.dump())));
   const AgentType& type = agent_type(specs.front().type);
   if (type.relay) throw InputError(fmt::format("{}: a relay cannot be part of a relay; list its crew here", where));
   if (type.privilege != Privilege::none)
@@ -36,7 +37,7 @@ CrewMember member(Json entry, const std::string& where) {
   if (!entry.is_object() || !entry.contains("agent"))
     throw InputError(
         fmt::format("{}: {} is not allowed; use an object with \"agent\" and, optional, \"from_step\" and \"shadow\"",
-                    where, entry.dump()));
+                    where, excerpt(entry.dump())));
   AgentSpec agent = one_agent(entry["agent"], where + ".agent");
   entry.erase("agent");
   const Parameters settings(crew_parameters(), entry, where);

@@ -100,10 +100,10 @@ OrderedJson parse_json(std::string_view text, std::string_view where) {
     return OrderedJson::parse(Cursor(text.data(), bytes_read), Cursor(text.data() + text.size(), bytes_read),
                               Watch(text, where, bytes_read));
   } catch (const OrderedJson::parse_error& error) {
-    throw InputError(
-        fmt::format("{}: {}: not valid JSON: {}", where, line_and_column(text, error.byte), reason(error.what())));
+    throw InputError(fmt::format("{}: {}: not valid JSON: {}", where, line_and_column(text, error.byte),
+                                 excerpt(reason(error.what()))));
   } catch (const OrderedJson::exception& error) {
-    throw InputError(fmt::format("{}: not valid JSON: {}", where, reason(error.what())));
+    throw InputError(fmt::format("{}: not valid JSON: {}", where, excerpt(reason(error.what()))));
   }
 }
 

@@ -17,6 +17,7 @@ inline constexpr std::size_t trace_bytes = 4U << 20U;
 inline constexpr std::size_t memory_bytes = 16U << 20U;  ///< of an agent, from flight to flight
 
 inline constexpr std::size_t agents = 64;               ///< of an experiment
+inline constexpr std::uint64_t trials = 10'000'000;     ///< of all conditions of an experiment together
 inline constexpr std::size_t lanes = 16;                ///< trials that a worker flies at a time
 inline constexpr std::size_t leases = 64;               ///< of a worker
 inline constexpr std::size_t failures_told = 64;        ///< by a worker

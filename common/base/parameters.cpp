@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
 
 namespace aloft {
 namespace {
@@ -60,7 +61,7 @@ bool fits(const ParameterSpec& spec, const Json& given) {
 Value checked(const ParameterSpec& spec, const Json& given, std::string_view where) {
   if (!fits(spec, given))
     throw InputError(
-        fmt::format("{}: {} is not allowed; use {}", path_of(where, spec.name), given.dump(), allowed(spec)));
+        fmt::format("{}: {} is not allowed; use {}", path_of(where, spec.name), excerpt(given.dump()), allowed(spec)));
   if (given.is_boolean()) return given.get<bool>();
   if (given.is_number()) return given.get<double>();
   return given.get<std::string>();
@@ -106,14 +107,15 @@ Parameters::Parameters(std::span<const ParameterSpec> table) {
 Parameters::Parameters(std::span<const ParameterSpec> table, const Json& given, std::string_view where)
     : Parameters(table) {
   if (!given.is_object())
-    throw InputError(fmt::format("{}: {} is not allowed; use an object of parameters", where, given.dump()));
+    throw InputError(fmt::format("{}: {} is not allowed; use an object of parameters", where, excerpt(given.dump())));
   for (const auto& [key, json] : given.items()) {
     std::size_t i = 0;
     while (i < table.size() && table[i].name != key) ++i;
     if (i == table.size()) {
       std::vector<std::string> names;
       for (const ParameterSpec& spec : table) names.push_back(spec.name);
-      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", path_of(where, key), did_you_mean(key, names),
+      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", path_of(where, excerpt(key)),
+                                   did_you_mean(key, names),
                                    names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
     }
     values_[i].second = checked(table[i], json, where);

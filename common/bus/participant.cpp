@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/bus/detail.hpp"
 #include "common/bus/keys.hpp"
 #include "common/bus/network.hpp"
@@ -27,7 +28,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace {
 
 constexpr int max_domain = 101;
-constexpr std::size_t max_partition_part = 64;
 constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
 constexpr std::chrono::milliseconds server_ping_period{200};
 // Clients address the server by its name too. One name will do: a run has one server, a server one run.
@@ -60,11 +60,10 @@ void prepare_middleware() {
   });
 }
 
+/// A name may be missing: of a worker, outside of one.
 void check_name(std::string_view what, const std::string& name) {
-  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '.' || c == '_' || c == '-'; };
-  if (name.size() <= max_partition_part && std::all_of(name.begin(), name.end(), allowed)) return;
-  throw InputError(
-      fmt::format("{} name '{}': use at most {} letters, digits, '.', '_' or '-'", what, name, max_partition_part));
+  const std::string objection = name.empty() ? "" : name_objection(name);
+  if (!objection.empty()) throw InputError(fmt::format("{} name '{}': use {}", what, excerpt(name), objection));
 }
 
 void use_discovery_server(const BusOptions& options, dds::WireProtocolConfigQos& wire) {
@@ -134,6 +133,14 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
 
 }  // namespace
 
+std::string name_objection(std::string_view name) {
+  constexpr std::size_t longest = 64;
+  constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
+  const bool good = !name.empty() && name.size() <= longest && name.front() != '.' &&
+                    name.find_first_not_of(allowed) == std::string_view::npos;
+  return good ? "" : fmt::format("1 to {} letters, digits, '.', '_' or '-', the first no '.'", longest);
+}
+
 std::optional<std::chrono::milliseconds> longest_standstill(const BusOptions& options) noexcept {
   if (!options.secure.empty()) return secured_lease;
   if (!options.discovery_server.empty()) return served_lease;
@@ -191,10 +198,10 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
   participant = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(options.domain), qos, &neighbourhood, dds::StatusMask::none());
   if (participant == nullptr)
-    throw std::runtime_error(fmt::format(
-        "cannot join DDS domain {} on {}: is a UDP port free? (about 100 processes fit in a domain; try another "
-        "--domain)",
-        options.domain, fmt::join(options.interfaces, ", ")));
+    throw std::runtime_error(
+        fmt::format("cannot join DDS domain {} on {}: is a UDP port free? ({} processes fit in a domain; try another "
+                    "--domain)",
+                    options.domain, fmt::join(options.interfaces, ", "), max_processes));
   mediator_ = std::thread([this] { mediate(); });
 }
 

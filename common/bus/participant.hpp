@@ -6,15 +6,24 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/topics.hpp"
 
 namespace aloft::bus {
 
+/// Processes that are sure to find room in a domain: DDS has ports for 120 on a host, and a secured process can begin
+/// 100 handshakes.
+inline constexpr unsigned max_processes = 100;
+
+/// What the name of a run or a worker must be like if this one will not do, as a part of a message: names stand in
+/// partitions, file names and logs. Empty: it will do.
+[[nodiscard]] std::string name_objection(std::string_view name);
+
 /// Where a process stands on the bus.
 struct BusOptions {
-  std::string run = "default";  ///< partition of the run; letters, digits, '.', '_', '-'
+  std::string run = "default";  ///< partition of the run: see name_objection
   std::string worker;           ///< partition of the worker, e.g. "w0"; empty: coordinator, metrics, command line
   std::string process;          ///< for logs and discovery, e.g. "aloft-channel"
   int domain = 0;               ///< 0..101

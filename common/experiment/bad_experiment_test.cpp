@@ -114,6 +114,27 @@ TEST_CASE("agents: unknown, doubled, none, too many, contradictory") {
              Contains("65 are too many; use at most 64"));
 }
 
+TEST_CASE("sweeps and trials that are too many are counted, not expanded") {
+  const auto list = [](int values) {
+    std::string text = "[0";
+    for (int i = 1; i < values; ++i) text += "," + std::to_string(i);
+    return text + "]";
+  };
+  const auto dqn = [&](int epochs, int units) {
+    return message(with("\"random-walk\"", R"({"type": "dqn", "epochs": )" + list(epochs) + R"(, "hidden_width": )" +
+                                               list(units) + R"(, "minibatch": )" + list(100'000) + "}"));
+  };
+  CHECK_THAT(dqn(1'000, 10),
+             Contains("agents[1]: its lists make 1000000000 combinations") && Contains("at most 64 agents"));
+  CHECK_THAT(dqn(3, 10), Contains("3000000 combinations"));
+  CHECK_THAT(message(with("[1, 5]", list(200'000))),
+             Contains("world.bs_density_per_km2: the list has 200000 values") && Contains("at most 10000 conditions"));
+  CHECK_THAT(message(with("[1, 5]", list(10'000))), Contains("world.bs_density_per_km2: 0 is not allowed"));
+  CHECK_THAT(message(with("2,", "5000001,")), Contains("2 conditions x 5000001 trials = 10000002 trials"));
+  CHECK_NOTHROW(parse(with("2,", "5000000,"), "my.json"));
+  CHECK_THAT(message(with("[1, 5]", "1, \"name\": \"x\", \"swept\": " + list(100'000))), Contains("world.swept"));
+}
+
 TEST_CASE("a planner on a route that depends on the flight") {
   std::string text = with("random-walk", "planner");
   text.replace(text.find("\"bs_density"), 0, "\"route\": [\"nearest\", \"serving\"], ");
@@ -150,7 +171,7 @@ TEST_CASE("measured flights: unreadable or ill-formed files") {
   std::filesystem::create_directories(folder);
   const auto csv = folder / "flight.csv";
   CHECK_THAT(message(measured(csv)), Contains("my.json: world.file: cannot read '" + csv.string() + "': No such file"));
-  CHECK_THAT(message(measured(folder)), Contains("world.file") && Contains("directory"));
+  CHECK_THAT(message(measured(folder)), Contains("world.file") && Contains("is a folder"));
   write_text_file(csv, "step,height_m,throughput_kbps\n1,20,100\n1,30,1oo\n");
   CHECK_THAT(message(measured(csv)), Contains(csv.string() + ":3:6: ") && Contains("1oo"));
   write_text_file(csv, "step,height,throughput_kbps\n1,20,100\n");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
@@ -27,7 +28,7 @@ WorldKind kind_of(const OrderedJson& world, const std::string& where) {
   if (*kind == "generated") return WorldKind::generated;
   if (*kind == "measured") return WorldKind::measured;
   throw InputError(
-      fmt::format("{}.kind: {} is not allowed; use one of \"generated\", \"measured\"", where, kind->dump()));
+      fmt::format("{}.kind: {} is not allowed; use one of \"generated\", \"measured\"", where, excerpt(kind->dump())));
 }
 
 std::string name_of(const OrderedJson& world, const std::string& where) {
@@ -37,7 +38,7 @@ std::string name_of(const OrderedJson& world, const std::string& where) {
   std::string text = is_text ? name->get<std::string>() : "";
   if (text.empty() || text.size() > max_world_name_length || plain_text(text) != text)
     throw InputError(fmt::format("{}.name: {} is not allowed; use a text of 1 to {} bytes, printable and on one line",
-                                 where, name->dump(), max_world_name_length));
+                                 where, excerpt(name->dump()), max_world_name_length));
   return text;
 }
 
@@ -50,15 +51,21 @@ struct Axis {
 
 Axis axis_of(const std::string& key, const OrderedJson& value, const std::string& where) {
   if (!value.is_array()) return {key, {Json(value)}, false};
+  if (value.size() > max_conditions)
+    throw InputError(
+        fmt::format("{}.{}: the list has {} values, but an experiment has at most {} conditions; list fewer", where,
+                    excerpt(key), value.size(), max_conditions));
   Axis axis{key, {}, true};
+  std::set<Json> seen;
   for (const OrderedJson& entry : value) {
     const Json one(entry);
-    if (std::find(axis.values.begin(), axis.values.end(), one) != axis.values.end())
-      throw InputError(fmt::format("{}.{}: {} stands twice in the list; keep one", where, key, one.dump()));
+    if (!seen.insert(one).second)
+      throw InputError(
+          fmt::format("{}.{}: {} stands twice in the list; keep one", where, excerpt(key), excerpt(one.dump())));
     axis.values.push_back(one);
   }
   if (axis.values.empty())
-    throw InputError(fmt::format("{}.{}: the list is empty; give at least one value, or no list", where, key));
+    throw InputError(fmt::format("{}.{}: the list is empty; give at least one value, or no list", where, excerpt(key)));
   return axis;
 }
 
@@ -82,7 +89,8 @@ std::vector<std::string> swept_keys(const OrderedJson& world, const std::vector<
     if (axis.swept) keys.push_back(axis.key);
   const auto given = world.find("swept");
   if (given == world.end()) return keys;
-  const bool texts = given->is_array() && std::all_of(given->begin(), given->end(), [&](const OrderedJson& key) {
+  const bool texts = given->is_array() && given->size() <= axes.size() &&
+                     std::all_of(given->begin(), given->end(), [&](const OrderedJson& key) {
                        return key.is_string() && std::any_of(axes.begin(), axes.end(), [&](const Axis& axis) {
                                 return axis.key == key.get<std::string>();
                               });
@@ -91,7 +99,7 @@ std::vector<std::string> swept_keys(const OrderedJson& world, const std::vector<
     throw InputError(
         fmt::format("{}.swept: {} is not allowed; it stands only in resolved experiments, beside \"name\", "
                     "and lists keys of this world; to sweep a parameter, give it a list of values",
-                    where, given->dump()));
+                    where, excerpt(given->dump())));
   return given->get<std::vector<std::string>>();
 }
 
@@ -161,12 +169,14 @@ std::vector<std::pair<const OrderedJson*, std::string>> world_objects(const Orde
   } else {
     const OrderedJson& list = document.at("worlds");
     if (!list.is_array() || list.empty())
-      throw InputError(fmt::format("worlds: {} is not allowed; use a list of at least one world", list.dump()));
+      throw InputError(
+          fmt::format("worlds: {} is not allowed; use a list of at least one world", excerpt(list.dump())));
     for (std::size_t i = 0; i < list.size(); ++i) objects.emplace_back(&list[i], fmt::format("worlds[{}]", i));
   }
   for (const auto& [world, where] : objects)
     if (!world->is_object())
-      throw InputError(fmt::format("{}: {} is not allowed; use an object of parameters", where, world->dump()));
+      throw InputError(
+          fmt::format("{}: {} is not allowed; use an object of parameters", where, excerpt(world->dump())));
   return objects;
 }
 

@@ -12,6 +12,8 @@
 #include "common/base/json_text.hpp"
 #include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/plain_text.hpp"
+#include "common/base/read_file.hpp"
 #include "common/experiment/conditions.hpp"
 #include "common/experiment/file_keys.hpp"
 #include "common/experiment/file_paths.hpp"
@@ -19,7 +21,6 @@
 #include "common/experiment/relay_rules.hpp"
 #include "common/experiment/schema.hpp"
 #include "common/experiment/set_value.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/experiment/world_parameters.hpp"
 
 namespace aloft::experiment {
@@ -33,12 +34,12 @@ void check_keys(const OrderedJson& document) {
     throw InputError(
         fmt::format("{} is not an experiment; use an object with \"name\", \"trials\", \"world\" and "
                     "\"agents\"",
-                    document.dump().substr(0, 40)));
+                    excerpt(document.dump())));
   const std::vector<std::string> keys = file_keys();
   for (const auto& item : document.items())
     if (std::find(keys.begin(), keys.end(), item.key()) == keys.end())
-      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", item.key(), did_you_mean(item.key(), keys),
-                                   fmt::join(keys, ", ")));
+      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", excerpt(item.key()),
+                                   did_you_mean(item.key(), keys), fmt::join(keys, ", ")));
   for (const char* key : {"name", "trials", "agents"})
     if (!document.contains(key)) throw InputError(fmt::format("\"{}\" is missing", key));
 }
@@ -48,8 +49,8 @@ std::uint64_t seed_of(const OrderedJson& document) {
   if (seed == document.end()) return default_seed;
   // Not by way of a double, which holds only 53 bits.
   if (!seed->is_number_integer() || (!seed->is_number_unsigned() && seed->get<std::int64_t>() < 0))
-    throw InputError(
-        fmt::format("seed: {} is not allowed; use a whole number from 0 to 18446744073709551615", seed->dump()));
+    throw InputError(fmt::format("seed: {} is not allowed; use a whole number from 0 to 18446744073709551615",
+                                 excerpt(seed->dump())));
   return seed->get<std::uint64_t>();
 }
 
@@ -62,7 +63,7 @@ void check_name(const std::string& name) {
     throw InputError(
         fmt::format("name: {} is not allowed; use 1 to {} letters, digits, '-', '_' and '.', because result "
                     "folders are named after it",
-                    Json(name).dump(), limits::name_bytes));
+                    excerpt(Json(name).dump()), limits::name_bytes));
 }
 
 /// The entries that are plain parameters: name, trials, ...
@@ -82,10 +83,16 @@ void read_settings(const OrderedJson& document, Experiment& experiment) {
   experiment.costs.handover_cost = settings.number("handover_cost");
 }
 
+void check_count(std::size_t agents) {
+  if (agents > limits::agents)
+    throw InputError(fmt::format("agents: {} are too many; use at most {}", agents, limits::agents));
+}
+
 std::vector<agents::AgentSpec> agents_of(const OrderedJson& document) {
   const OrderedJson& list = document.at("agents");
   if (!list.is_array() || list.empty())
-    throw InputError(fmt::format("agents: {} is not allowed; use a list of at least one agent", list.dump()));
+    throw InputError(fmt::format("agents: {} is not allowed; use a list of at least one agent", excerpt(list.dump())));
+  check_count(list.size());
   std::vector<agents::AgentSpec> specs;
   std::map<std::string, std::size_t> entry_of;
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -128,7 +135,7 @@ void check_agent(agents::AgentSpec& spec, const FileAccess& files) {
     Json given = spec.parameters.to_json();
     const std::filesystem::path file = locate(spec.parameters.text(key));
     given[key] = file.string();
-    if (spec.parameters.text(key + "_sha256").empty()) given[key + "_sha256"] = sha256_hex(read_text_file(file));
+    if (spec.parameters.text(key + "_sha256").empty()) given[key + "_sha256"] = sha256_hex(read_file(file));
     spec.parameters = Parameters(type.parameters, given, fmt::format("agent '{}'", spec.name));
   }
   (void)spec.make();
@@ -137,8 +144,7 @@ void check_agent(agents::AgentSpec& spec, const FileAccess& files) {
 /// Makes one of each agent and throws it away: some parameters are only wrong together, and files are only read here.
 /// A file that an agent reads gets an absolute path, and the SHA-256 that counts in the experiment's id.
 void check_agents(std::vector<agents::AgentSpec>& specs, const FileAccess& files) {
-  if (specs.size() > limits::agents)
-    throw InputError(fmt::format("agents: {} are too many; use at most {}", specs.size(), limits::agents));
+  check_count(specs.size());
   for (agents::AgentSpec& spec : specs) {
     if (spec.crew.empty()) check_agent(spec, files);
     for (agents::CrewMember& member : spec.crew) check_agent(member.agent, files);
@@ -209,6 +215,24 @@ void check_size(const Experiment& experiment) {
                     experiment.conditions.size(), experiment.agents.size(), bytes, limits::experiment_bytes));
 }
 
+/// The coordinator keeps some 20 bytes of each trial.
+void check_trials(const Experiment& experiment) {
+  const std::uint64_t trials = std::uint64_t{experiment.trials} * experiment.conditions.size();
+  if (trials > limits::trials)
+    throw InputError(
+        fmt::format("{} conditions x {} trials = {} trials are too many; use at most {} in one experiment, and spread "
+                    "the others over several",
+                    experiment.conditions.size(), experiment.trials, trials, limits::trials));
+}
+
+/// The first errors of a file that may have thousands.
+std::string first_lines(const std::vector<std::string>& errors) {
+  constexpr std::size_t most = 10;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(errors.size(), most); ++i) text += (i > 0 ? "\n" : "") + excerpt(errors[i]);
+  return errors.size() > most ? fmt::format("{}\n... and {} more", text, errors.size() - most) : text;
+}
+
 void apply(OrderedJson& document, const Overrides& overrides) {
   for (const std::string& assignment : overrides.set) set_value(document, assignment);
   if (overrides.trials) document["trials"] = *overrides.trials;
@@ -225,14 +249,15 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   if (!overrides.agents.empty()) experiment.agents = chosen_agents(experiment.agents, overrides.agents);
   check_agents(experiment.agents, files);
   experiment.conditions = expand_worlds(document, files);
+  check_trials(experiment);
   check_routes(experiment);
   check_relays(experiment);
   check_neighbours(experiment);
-  // The checks above give the better messages, so they come first; the schema has the last word.
-  if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
-    throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
   experiment.canonical = canonical_form(experiment);
   check_size(experiment);
+  // The checks above give the better messages, so they come first; the schema has the last word.
+  if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
+    throw InputError(first_lines(errors));
   experiment.id = id_of(experiment.canonical);
   return experiment;
 }
@@ -265,7 +290,7 @@ const agents::AgentSpec& Experiment::agent(std::string_view agent_name) const {
 }
 
 Experiment load(const std::filesystem::path& file, const Overrides& overrides) {
-  OrderedJson document = parse_json(read_text_file(file), file.string());
+  OrderedJson document = parse_json(read_file(file), file.string());
   anchor_paths(document, std::filesystem::absolute(file).parent_path());
   return parse_with(std::move(document), file.string(), overrides, {.always_read = true});
 }

@@ -6,6 +6,7 @@
 
 #include "common/agents/registry.hpp"
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 
 namespace aloft::experiment {
 namespace {
@@ -59,7 +60,7 @@ std::filesystem::path locate(const std::filesystem::path& given) {
     throw InputError(fmt::format(
         "cannot read '{}': No such file or directory. Relative paths in an experiment file count from that file's "
         "folder, those on the command line from the working directory",
-        file.string()));
+        excerpt(file.string())));
   return file;
 }
 

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "common/base/read_file.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/experiment/text_file.hpp"
 #include "tests/paths.hpp"
 
+using aloft::read_file;
 using namespace aloft::experiment;
 using Json = nlohmann::json;
 
@@ -26,7 +28,7 @@ TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tab
   const auto file = repository / "data/schema/experiment.schema.json";
   Json made = experiment_schema();
   if (std::getenv("ALOFT_WRITE_SCHEMA") != nullptr) write_text_file(file, made.dump(2) + "\n");
-  Json shipped = Json::parse(read_text_file(file));
+  Json shipped = Json::parse(read_file(file));
   // An agent that somebody adds works without an entry of its own; an entry that is there has to be right.
   const Json rules = agent_rules(shipped);
   Json known = Json::array();
@@ -41,7 +43,7 @@ TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tab
 TEST_CASE("the schema accepts what the shipped experiments hold, and their resolved forms") {
   for (const auto& entry : std::filesystem::directory_iterator(repository / "data/experiments")) {
     INFO(entry.path());
-    CHECK(schema_errors(Json::parse(read_text_file(entry.path()))).empty());
+    CHECK(schema_errors(Json::parse(read_file(entry.path()))).empty());
     CHECK(schema_errors(load(entry.path()).canonical) == std::vector<std::string>{});
   }
 }

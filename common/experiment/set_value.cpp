@@ -17,8 +17,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t longest_told = 200;
-
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> keys;
   for (std::size_t start = 0; start <= path.size();) {
@@ -37,13 +35,12 @@ std::optional<std::size_t> as_index(const std::string& key) {
 }
 
 OrderedJson as_value(const std::string& text, const std::string& assignment) {
-  const std::string shortened = plain_text(assignment, longest_told);
   OrderedJson value =
-      OrderedJson::accept(text) ? parse_json(text, fmt::format("--set {}", shortened)) : OrderedJson(text);
+      OrderedJson::accept(text) ? parse_json(text, fmt::format("--set {}", excerpt(assignment))) : OrderedJson(text);
   try {
     (void)value.dump();
   } catch (const OrderedJson::exception&) {
-    throw InputError(fmt::format("--set {}: the value is not UTF-8 text", shortened));
+    throw InputError(fmt::format("--set {}: the value is not UTF-8 text", excerpt(assignment)));
   }
   return value;
 }
@@ -56,18 +53,19 @@ std::vector<std::string> keys_of(const OrderedJson& object) {
 
 /// One step down the path; `seen` is the path so far.
 OrderedJson& child(OrderedJson& node, const std::string& key, const std::string& seen, bool last) {
-  const std::string parent = seen.empty() ? "the file" : fmt::format("'{}'", seen);
+  const std::string parent = seen.empty() ? "the file" : fmt::format("'{}'", excerpt(seen));
   if (node.is_array()) {
     const auto index = as_index(key);
     if (!index || *index >= node.size())
-      throw InputError(
-          node.empty() ? fmt::format("{} is an empty list", parent)
-                       : fmt::format("{} has no entry '{}'; use a number from 0 to {}", parent, key, node.size() - 1));
+      throw InputError(node.empty() ? fmt::format("{} is an empty list", parent)
+                                    : fmt::format("{} has no entry '{}'; use a number from 0 to {}", parent,
+                                                  excerpt(key), node.size() - 1));
     return node[*index];
   }
-  if (!node.is_object()) throw InputError(fmt::format("{} is {}, which has no '{}' in it", parent, node.dump(), key));
+  if (!node.is_object())
+    throw InputError(fmt::format("{} is {}, which has no '{}' in it", parent, excerpt(node.dump()), excerpt(key)));
   if (!last && !node.contains(key))
-    throw InputError(fmt::format("{} has no '{}'.{}", parent, key, did_you_mean(key, keys_of(node))));
+    throw InputError(fmt::format("{} has no '{}'.{}", parent, excerpt(key), did_you_mean(key, keys_of(node))));
   return node[key];
 }
 
@@ -76,7 +74,8 @@ OrderedJson& child(OrderedJson& node, const std::string& key, const std::string&
 void set_value(OrderedJson& document, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == 0 || equals == std::string::npos)
-    throw InputError(fmt::format("--set {}: use json.path=value, e.g. world.bs_density_per_km2=5", assignment));
+    throw InputError(
+        fmt::format("--set {}: use json.path=value, e.g. world.bs_density_per_km2=5", excerpt(assignment)));
   const std::vector<std::string> keys = split(assignment.substr(0, equals));
   OrderedJson* node = &document;
   std::string seen;
@@ -88,7 +87,7 @@ void set_value(OrderedJson& document, const std::string& assignment) {
       seen += (seen.empty() ? "" : ".") + keys[i];
     }
   } catch (const InputError& error) {
-    throw InputError(fmt::format("--set {}: {}", assignment, error.what()));
+    throw InputError(fmt::format("--set {}: {}", excerpt(assignment), error.what()));
   }
   *node = as_value(assignment.substr(equals + 1), assignment);
 }

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <system_error>
 
@@ -29,40 +28,26 @@ class Descriptor {
   int fd_;
 };
 
-[[noreturn]] void refuse(std::string_view doing, const std::filesystem::path& file) {
-  throw InputError(fmt::format("cannot {} '{}': {}", doing, file.string(), std::generic_category().message(errno)));
+[[noreturn]] void refuse(const std::filesystem::path& file) {
+  throw InputError(fmt::format("cannot write '{}': {}", file.string(), std::generic_category().message(errno)));
 }
 
 }  // namespace
-
-std::string read_text_file(const std::filesystem::path& file) {
-  const Descriptor descriptor(file, O_RDONLY);
-  if (descriptor.get() < 0) refuse("read", file);
-  std::string text;
-  std::array<char, 65536> buffer;
-  while (true) {
-    const ssize_t count = ::read(descriptor.get(), buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) refuse("read", file);
-    if (count == 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(count));
-  }
-}
 
 void write_text_file(const std::filesystem::path& file, std::string_view text) {
   const std::filesystem::path temporary = file.string() + ".part";
   {
     const Descriptor descriptor(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-    if (descriptor.get() < 0) refuse("write", file);
+    if (descriptor.get() < 0) refuse(file);
     while (!text.empty()) {
       const ssize_t count = ::write(descriptor.get(), text.data(), text.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) refuse("write", file);
+      if (count < 0) refuse(file);
       text.remove_prefix(static_cast<std::size_t>(count));
     }
-    if (::fsync(descriptor.get()) != 0) refuse("write", file);
+    if (::fsync(descriptor.get()) != 0) refuse(file);
   }
-  if (::rename(temporary.c_str(), file.c_str()) != 0) refuse("write", file);
+  if (::rename(temporary.c_str(), file.c_str()) != 0) refuse(file);
 }
 
 }  // namespace aloft::experiment

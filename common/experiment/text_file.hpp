@@ -1,13 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <string_view>
 
 namespace aloft::experiment {
-
-/// All bytes of a file; InputError that says why it cannot be read.
-[[nodiscard]] std::string read_text_file(const std::filesystem::path& file);
 
 /// Writes a file that is either complete or not there, whatever happens meanwhile (temporary file, fsync, rename).
 /// Throws InputError that says why it cannot be written.

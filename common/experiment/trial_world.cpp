@@ -4,7 +4,7 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
-#include "common/experiment/text_file.hpp"
+#include "common/base/read_file.hpp"
 #include "common/radio/generated_map.hpp"
 #include "common/radio/measured_map.hpp"
 #include "common/world/city.hpp"
@@ -18,7 +18,7 @@ world::City make_city(const Experiment& experiment, const Condition& condition, 
 
 world::MeasuredFlight read_measured_flight(const Condition& condition) {
   const std::string& file = condition.world.text("file");
-  const std::string csv = read_text_file(file);
+  const std::string csv = read_file(file);
   if (const std::string sha256 = sha256_hex(csv); sha256 != condition.world.text("file_sha256"))
     throw InputError(
         fmt::format("'{}' has changed since the experiment was resolved: its SHA-256 is {}, not {}; bring "

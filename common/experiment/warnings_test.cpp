@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/text_file.hpp"
 #include "tests/paths.hpp"
@@ -103,7 +104,7 @@ TEST_CASE("a model file counts by its content, wherever it lies; a report does n
   CHECK_THROWS_WITH(load(folder.path / "resolved.json"), Contains("copy.pb"));
 
   // Another content under the old SHA-256, a damaged file, and none.
-  write_text_file(folder.path / "copy.pb", read_text_file(shipped) + "x");
+  write_text_file(folder.path / "copy.pb", read_file(shipped) + "x");
   CHECK_THROWS_WITH(load(folder.path / "resolved.json"), Contains("SHA-256"));
   CHECK_THROWS_AS(with_model(folder.path / "copy.pb"), InputError);
   CHECK_THROWS_AS(with_model(folder.path / "none.pb"), InputError);

@@ -8,8 +8,8 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/experiment/file_paths.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/world/measured_flight.hpp"
 
 namespace aloft::experiment {
@@ -34,7 +34,7 @@ Parameters resolve_measured_world(const nlohmann::json& given, std::string_view 
   if (files.always_read || expected.empty()) {
     try {
       const std::filesystem::path file = locate(checked.text("file"));
-      const std::string csv = read_text_file(file);
+      const std::string csv = read_file(file);
       const std::string sha256 = sha256_hex(csv);
       if (!expected.empty() && sha256 != expected)
         throw InputError(

@@ -22,6 +22,7 @@ using experiment::Experiment;
 using experiment::FlightKey;
 
 constexpr const char* database_name = "results.sqlite";
+constexpr const char* log_folder = "log";
 
 std::size_t agent_index(const Experiment& experiment, std::string_view name) {
   const auto& agents = experiment.agents;
@@ -61,7 +62,7 @@ std::string memory_digest(const FlightKey& key, std::string_view memory) {
 void check_is_empty(const std::filesystem::path& dir) {
   for (const auto& entry : std::filesystem::directory_iterator(dir)) {
     const std::string name = entry.path().filename().string();
-    if (name == "log" || name == "lost+found" || name.starts_with(database_name)) continue;
+    if (name == log_folder || name == "lost+found" || name.starts_with(database_name)) continue;
     throw InputError(fmt::format("'{}' holds other files ('{}'), but no results; use an empty or new folder for --out",
                                  dir.string(), name));
   }
@@ -71,6 +72,11 @@ void make_folder(const std::filesystem::path& dir) {
   try {
     std::filesystem::create_directories(dir);
     if (!std::filesystem::exists(dir / database_name)) check_is_empty(dir);
+    if (std::filesystem::exists(dir / log_folder) && !std::filesystem::is_directory(dir / log_folder))
+      throw InputError(
+          fmt::format("'{}' is a file, but must be a folder: logs go there; move it away, or use another "
+                      "folder for --out",
+                      (dir / log_folder).string()));
   } catch (const std::filesystem::filesystem_error& error) {
     throw InputError(
         fmt::format("cannot use the folder '{}': {}; use another one for --out", dir.string(), error.code().message()));
@@ -263,7 +269,7 @@ ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, cons
 }
 
 ResultStore ResultStore::open_for_reading(const std::filesystem::path& dir) {
-  if (!std::filesystem::exists(dir / database_name))
+  if (!std::filesystem::is_regular_file(dir / database_name))
     throw InputError(fmt::format("'{}' is no result folder: it has no {}; give the folder that was --out of a run",
                                  dir.string(), database_name));
   auto state = std::make_unique<State>(dir, Access::read);

@@ -12,14 +12,13 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/random.hpp"
-#include "common/experiment/text_file.hpp"
+#include "common/base/read_file.hpp"
 
 using namespace aloft;
 using namespace aloft::store;
 using Catch::Matchers::Contains;
 using experiment::Experiment;
 using experiment::FlightKey;
-using experiment::read_text_file;
 
 namespace {
 
@@ -207,13 +206,13 @@ TEST_CASE("a stored flight survives kill -9 of its writer") {
 TEST_CASE("experiment.json holds the resolved experiment and the build, and can be run again") {
   const Folder folder;
   { (void)ResultStore::open_for_writing(folder / "out", small()); }
-  const std::string text = read_text_file(folder / "out" / "experiment.json");
+  const std::string text = read_file(folder / "out" / "experiment.json");
   CHECK_THAT(text, Contains("\"los_ray\": \"published\"") &&
                        Contains("\"build\": \"" + std::string(aloft::build_id()) + "\""));
   CHECK(experiment::load(folder / "out" / "experiment.json").id == small().id);
   std::filesystem::remove(folder / "out" / "experiment.json");
   { (void)ResultStore::open_for_writing(folder / "out", small()); }
-  CHECK(read_text_file(folder / "out" / "experiment.json") == text);
+  CHECK(read_file(folder / "out" / "experiment.json") == text);
 }
 
 TEST_CASE("a folder with other results or other files is refused and left alone") {
@@ -309,7 +308,7 @@ TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
       true_digests.push_back(flight.digest);
     }
   }
-  const std::string intact = read_text_file(file);
+  const std::string intact = read_file(file);
   const auto still_right = [&](const std::string& bytes) {
     std::ofstream(file, std::ios::trunc) << bytes;
     try {

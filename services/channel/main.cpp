@@ -1,6 +1,7 @@
 // Flies the episodes of a worker's trials.
 #include "common/base/limits.hpp"
 #include "services/channel/channel.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "services/runtime/service.hpp"
 
 int main(int argc, char** argv) {
@@ -13,7 +14,7 @@ int main(int argc, char** argv) {
       argc, argv, info,
       [&](CLI::App& app) {
         app.add_option("--lanes", options.lanes, "Trials flown at the same time")
-            ->check(CLI::Range(std::size_t{1}, limits::lanes))
+            ->check(runtime::whole_number(1, limits::lanes))
             ->capture_default_str();
         app.add_option("--agents", options.agents, "Take only flights of these agents [all]")->delimiter(',');
       },

@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/store/result_store.hpp"
 
 namespace aloft::coordinator {
@@ -284,7 +284,7 @@ class Conversation {
 
 void coordinate(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
-      experiment::parse(experiment::read_text_file(options.experiment), options.experiment.string());
+      experiment::parse(read_file(options.experiment), options.experiment.string());
   Conversation(service, options, experiment).run();
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "services/coordinator/coordinator_service.hpp"
+#include "services/runtime/flag_checks.hpp"
 
 namespace {
 
@@ -26,16 +27,17 @@ void declare(CLI::App& app, ServiceOptions& options) {
           std::map<std::string, TrialOrder>{{"canonical", TrialOrder::canonical}, {"shuffled", TrialOrder::shuffled}}));
   app.add_option("--fail-fast", coordinator.fail_fast,
                  "Stop after this many failed trials; 0: fly the rest, then report")
+      ->check(aloft::runtime::whole_number(0, 1'000'000'000))
       ->capture_default_str();
   app.add_option_function<double>("--heartbeat-timeout", seconds_into(coordinator.heartbeat_timeout),
                                   "Silence in seconds after which a worker's trials go to others [3]")
-      ->check(CLI::Range(0.5, 3600.0));
+      ->check(aloft::runtime::number(0.5, 3600));
   app.add_option_function<double>("--claim-timeout", seconds_into(coordinator.unclaimed_timeout),
                                   "Time in seconds in which a worker must show that it flies a trial it was given [5]")
-      ->check(CLI::Range(0.5, 3600.0));
+      ->check(aloft::runtime::number(0.5, 3600));
   app.add_option("--give-up-after", options.give_up_after_s,
                  "Time in seconds without any worker that ends the run; 0: never")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(aloft::runtime::number(0, 1e9))
       ->capture_default_str();
 }
 

@@ -5,9 +5,9 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/validate.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/world/city.hpp"
 #include "common/world/measured_flight.hpp"
 
@@ -52,7 +52,7 @@ const world::MeasuredFlight& WorldMaker::measured_flight(const Parameters& world
   const std::string& file = world.text("file");
   const auto known = measured_.find(file);
   if (known != measured_.end()) return known->second;
-  const std::string csv = experiment::read_text_file(file);
+  const std::string csv = read_file(file);
   if (sha256_hex(csv) != world.text("file_sha256"))
     throw InputError(
         fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "

@@ -1,6 +1,7 @@
 // The agents that learn: DQN and other learners.
 #include "common/base/cores.hpp"
 #include "services/agent_host/agent_host.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "services/runtime/service.hpp"
 
 int main(int argc, char** argv) {
@@ -12,7 +13,7 @@ int main(int argc, char** argv) {
       argc, argv, info,
       [&](CLI::App& app) {
         app.add_option("--threads", options.threads, "Flights that are learnt from at the same time")
-            ->check(CLI::Range(1U, 256U))
+            ->check(runtime::whole_number(1, 256))
             ->capture_default_str();
         app.add_option("--strength", options.strength, "Of two processes with the same agent, the stronger flies")
             ->capture_default_str();

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "services/metrics/metrics_service.hpp"
+#include "services/runtime/flag_checks.hpp"
 
 int main(int argc, char** argv) {
   aloft::metrics::ServiceOptions options;
@@ -13,7 +14,7 @@ int main(int argc, char** argv) {
         app.add_option("--results", options.results, "Result folder, made or continued")->required();
         app.add_option("--http-port", options.http_port,
                        "Serve /healthz, /status and /metrics there; 0: any free port (see the log); none: do not")
-            ->check(CLI::Range(0, 65535));
+            ->check(aloft::runtime::whole_number(0, 65535));
         app.add_option("--http-address", options.http_address,
                        "Address of this machine for --http-port; 0.0.0.0: all, so that other hosts can read them")
             ->check(CLI::ValidIPV4)

@@ -10,9 +10,9 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
-#include "common/experiment/text_file.hpp"
 #include "services/metrics/collector.hpp"
 #include "services/metrics/http_server.hpp"
 #include "services/metrics/status_board.hpp"
@@ -255,7 +255,7 @@ class Conversation {
 
 void collect(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
-      experiment::parse(experiment::read_text_file(options.experiment), options.experiment.string());
+      experiment::parse(read_file(options.experiment), options.experiment.string());
   Conversation(service, options, experiment).run();
   if (options.summary && !service.stop.requested()) store::write_summary(options.results);
 }

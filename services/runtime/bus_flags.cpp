@@ -2,12 +2,13 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <CLI/Validators.hpp>
+
+#include "services/runtime/flag_checks.hpp"
 
 namespace aloft::runtime {
 
 void add_bus_flags(CLI::App& app, bus::BusOptions& options) {
-  app.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 101))->capture_default_str();
+  app.add_option("--domain", options.domain, "DDS domain")->check(whole_number(0, 101))->capture_default_str();
   app.add_option("--interface", options.interfaces,
                  "Network interface to use, by address or name; needed to reach other hosts; repeatable")
       ->expected(1)

@@ -17,6 +17,7 @@
 
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "services/runtime/plain_log.hpp"
 #include "services/runtime/standstill_watch.hpp"
 
@@ -37,6 +38,7 @@ struct CommonOptions {
 
 void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
   app.add_option("--run", options.bus.run, "Name of the run: only processes with the same one hear each other")
+      ->check(bus_name())
       ->capture_default_str();
   add_bus_flags(app, options.bus);
   app.add_option("--log-dir", options.log_dir, "Folder for this process's log file; none: no log file");
@@ -46,7 +48,9 @@ void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
   app.add_flag("--verbose", options.verbose, "Log to standard error what goes to the file, not only warnings");
   app.add_flag("--die-with-parent", options.die_with_parent, "End when the process that started this one ends");
   if (info.in_worker)
-    app.add_option("--worker", options.bus.worker, "Name of the worker that this process belongs to")->required();
+    app.add_option("--worker", options.bus.worker, "Name of the worker that this process belongs to")
+        ->required()
+        ->check(bus_name());
 }
 
 /// Standard error alone, until the options are known.

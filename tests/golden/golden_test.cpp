@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "common/base/read_file.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
@@ -114,7 +115,7 @@ TEST_CASE("every agent flies its golden flights again, byte for byte") {
       FAIL_CHECK("this agent has no golden flights yet");
       continue;
     }
-    const std::string stored = experiment::read_text_file(file);
+    const std::string stored = read_file(file);
     const std::string now = golden_text(experiment, spec);
     if (stored != now) FAIL_CHECK(first_difference(stored, now));
   }

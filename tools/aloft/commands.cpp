@@ -1,21 +1,23 @@
 #include "tools/aloft/commands.hpp"
 
+#include <fmt/format.h>
+
+#include "common/agents/registry.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/experiment/experiment.hpp"
+#include "services/runtime/flag_checks.hpp"
 
 namespace aloft::cli {
 
-namespace {
-
-/// CLI11 would read "-1" as the largest unsigned number.
-const CLI::Validator whole_number(
-    [](const std::string& text) {
-      return text.empty() || text.find_first_not_of("0123456789") != std::string::npos
-                 ? "'" + text + "' is not allowed; use a whole number from 0"
-                 : std::string();
-    },
-    "WHOLE NUMBER");
-
-}  // namespace
+CLI::Validator agent_name() {
+  const auto check = [](const std::string& text) {
+    return agents::is_agent_name(text)
+               ? ""
+               : fmt::format("'{}' is not allowed; use the name of an agent, as 'aloft agents' lists them",
+                             excerpt(text));
+  };
+  return {check, "NAME"};
+}
 
 CLI::Option& ExperimentOptions::add_to(CLI::App& command) {
   CLI::Option* option = command.add_option("experiment", file, "Experiment file (JSON); data/experiments/ has some");
@@ -26,9 +28,12 @@ CLI::Option& ExperimentOptions::add_to(CLI::App& command) {
       ->expected(1)
       ->take_all();
   command.add_option("--agents", overrides.agents, "Agents instead of the file's, e.g. min-height,constant-120")
-      ->delimiter(',');
-  command.add_option("--trials", overrides.trials, "Trials per condition instead of the file's")->check(whole_number);
-  command.add_option("--seed", overrides.seed, "Seed instead of the file's")->check(whole_number);
+      ->delimiter(',')
+      ->check(agent_name());
+  command.add_option("--trials", overrides.trials, "Trials per condition instead of the file's")
+      ->check(runtime::whole_number(1, 10'000'000));
+  command.add_option("--seed", overrides.seed, "Seed instead of the file's")
+      ->check(runtime::whole_number(0, UINT64_MAX));
   return *option;
 }
 

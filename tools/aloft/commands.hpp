@@ -43,6 +43,9 @@ struct ExperimentOptions {
   [[nodiscard]] experiment::Experiment load() const { return experiment::load(file, overrides); }
 };
 
+/// Checks what is given as the name of an agent, before anybody is asked for it.
+[[nodiscard]] CLI::Validator agent_name();
+
 /// Adds "--format" with these choices; the first is the default.
 void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices);
 

@@ -4,6 +4,7 @@
 
 #include "common/base/error.hpp"
 #include "common/experiment/text_file.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/importer/measurement_grid.hpp"
 
@@ -68,10 +69,13 @@ void add_import_rdata(CLI::App& app, Job& job) {
   command
       ->add_option("--height-min", options->grid.height_min_m,
                    "Height of level 1, m: 20 at Grand Canal Quay, 30 at North Wall Quay")
+      ->check(runtime::number(0, 10'000))
       ->capture_default_str();
   command->add_option("--height-step", options->grid.height_step_m, "Distance between two levels, m")
+      ->check(runtime::number(1e-3, 10'000))
       ->capture_default_str();
-  command->add_option("--steps", options->grid.steps, "Steps of one flight [detected]");
+  command->add_option("--steps", options->grid.steps, "Steps of one flight [detected]")
+      ->check(runtime::whole_number(1, 100'000));
   command->callback([options, &job] { job = [options] { return import_rdata(*options); }; });
 }
 

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/world/measured_flight.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -22,12 +25,14 @@ struct InspectOptions {
 
 /// By index or by name; InputError lists what there is.
 const experiment::Condition& find_condition(const experiment::Experiment& experiment, const std::string& wanted) {
+  constexpr std::uint32_t shown = 20;
   std::string known;
   for (const experiment::Condition& condition : experiment.conditions) {
     if (condition.name == wanted || std::to_string(condition.index) == wanted) return condition;
-    known += fmt::format("\n  {}  {}", condition.index, condition.name);
+    if (condition.index < shown) known += fmt::format("\n  {}  {}", condition.index, condition.name);
   }
-  throw InputError(fmt::format("--condition {}: there is no such condition; use one of{}", wanted, known));
+  if (experiment.conditions.size() > shown) known += fmt::format("\n  ... up to {}", experiment.conditions.size() - 1);
+  throw InputError(fmt::format("--condition {}: there is no such condition; use one of{}", excerpt(wanted), known));
 }
 
 /// "STEP,HEIGHT" as given to --explain.
@@ -45,9 +50,9 @@ Place parse_place(const std::string& text) {
     if (step < 0 || comma >= text.size() || text[comma] != ',') throw std::invalid_argument(text);
     place.step = static_cast<std::uint32_t>(step);
     place.height_m = std::stod(text.substr(comma + 1), &end);
-    if (comma + 1 + end != text.size()) throw std::invalid_argument(text);
+    if (comma + 1 + end != text.size() || !std::isfinite(place.height_m)) throw std::invalid_argument(text);
   } catch (const std::logic_error&) {
-    throw InputError(fmt::format("--explain {}: not understood; use STEP,HEIGHT, e.g. 40,120", text));
+    throw InputError(fmt::format("--explain {}: not understood; use STEP,HEIGHT, e.g. 40,120", excerpt(text)));
   }
   return place;
 }
@@ -98,7 +103,9 @@ std::shared_ptr<InspectOptions> add_options(CLI::App& command) {
   command
       .add_option("--condition", options->condition, "Index or name of the condition, as 'aloft validate' lists them")
       ->capture_default_str();
-  command.add_option("--trial", options->trial, "Trial, from 0")->capture_default_str();
+  command.add_option("--trial", options->trial, "Trial, from 0")
+      ->check(runtime::whole_number(0, 9'999'999))
+      ->capture_default_str();
   add_format(command, options->format, {"json", "csv"});
   return options;
 }

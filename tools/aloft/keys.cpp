@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/error.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -59,7 +60,7 @@ void add_init(CLI::App& keys, Job& job) {
   auto options = std::make_shared<InitOptions>();
   command->add_option("dir", options->dir, "Folder of the authority")->required();
   command->add_option("--days", options->days, "How long it is valid")
-      ->check(CLI::Range(1, max_days))
+      ->check(runtime::whole_number(1, max_days))
       ->capture_default_str();
   command->callback([options, &job] { job = [options] { return init(*options); }; });
 }
@@ -72,17 +73,9 @@ void add_issue(CLI::App& keys, Job& job) {
       ->required();
   command
       ->add_option("--name", options->name, "Whom they are for, e.g. the host; others see it in their logs [the role]")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            const bool good =
-                !text.empty() && text.size() <= 64 &&
-                text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
-                    std::string::npos;
-            return good ? std::string() : "'" + text + "': use 1 to 64 letters, digits, '.', '_' or '-'";
-          },
-          "NAME"));
+      ->check(runtime::bus_name());
   command->add_option("--days", options->days, "How long they are valid")
-      ->check(CLI::Range(1, max_days))
+      ->check(runtime::whole_number(1, max_days))
       ->capture_default_str();
   command->add_option("--out", options->out, "Folder to write them to, e.g. for another host [the authority's]");
   command->callback([options, &job] { job = [options] { return issue(*options); }; });

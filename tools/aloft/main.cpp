@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <iostream>
 
 #include "common/base/build_info.hpp"
 #include "common/base/error.hpp"
@@ -36,12 +37,27 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
         hint = aloft::did_you_mean(word, names);
     }
   }
+  constexpr std::size_t longest = 1000;  // of arguments that it repeats
   std::string path;
   for (const CLI::App* part = command; part != nullptr; part = part->get_parent())
     path = part->get_name() + (path.empty() ? "" : " ") + path;
-  fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, aloft::plain_lines(error.what()), hint,
-             path);
+  fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, aloft::plain_text(error.what(), longest),
+             hint, path);
   return aloft::exit_bad_input;
+}
+
+/// A message may repeat arguments, names and paths.
+void tell(const std::exception& error) {
+  constexpr std::size_t longest = 4000;
+  fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(aloft::beginning_of(error.what(), longest)));
+}
+
+/// Standard output is for results: who could not write them has not succeeded.
+int with_output_written(int exit_code) {
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
+  if (written) return exit_code;
+  fmt::print(stderr, "aloft: cannot write to standard output; is the disk full that it goes to?\n");
+  return exit_code == aloft::exit_ok ? aloft::exit_failure : exit_code;
 }
 
 }  // namespace
@@ -80,16 +96,16 @@ int main(int argc, char** argv) {
   add_train(app, job);
   try {
     app.parse(argc, argv);
-    return job();
+    return with_output_written(job());
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    return with_output_written(app.exit(success));
   } catch (const CLI::ParseError& error) {
     return report_usage_error(app, error, std::vector<std::string>(argv + 1, argv + argc));
   } catch (const aloft::InputError& error) {
-    fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(error.what()));
+    tell(error);
     return aloft::exit_bad_input;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(error.what()));
+    tell(error);
     return aloft::exit_failure;
   }
 }

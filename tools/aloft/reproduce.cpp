@@ -5,6 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/local_experiment.hpp"
 #include "tools/report/report.hpp"
@@ -104,7 +105,7 @@ void add_reproduce(CLI::App& app, Job& job) {
       ->expected(1)
       ->take_all();
   command->add_option("--trials", options->trials, "Trials per condition; the paper has 100")
-      ->check(CLI::Range(1, 100'000))
+      ->check(runtime::whole_number(1, 100'000))
       ->capture_default_str();
   options->flying.add_to(*command);
   command->callback([options, &job] { job = [options] { return reproduce(*options); }; });

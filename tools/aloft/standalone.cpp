@@ -9,6 +9,7 @@
 
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/processes.hpp"
 
@@ -22,7 +23,9 @@ struct StandaloneOptions {
   std::vector<std::string> more;  // for the service
 
   void add_to(CLI::App& command) {
-    command.add_option("--run", bus.run, "Name of the run, the same for all its processes")->required();
+    command.add_option("--run", bus.run, "Name of the run, the same for all its processes")
+        ->required()
+        ->check(runtime::bus_name());
     runtime::add_bus_flags(command, bus);
   }
 };

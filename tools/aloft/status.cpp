@@ -9,6 +9,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "services/status/run_view.hpp"
 #include "tools/aloft/commands.hpp"
 
@@ -133,7 +134,7 @@ int watch(const StatusOptions& options, Observer& observer, bus::StopSignal& sto
     std::string text = picture(options, news, terminal);
     if (text.empty()) text = fmt::format("no run in domain {} yet; Ctrl-C ends this\n", options.bus.domain);
     fmt::print("{}{}", terminal ? clear_screen : "", text);
-    std::fflush(stdout);
+    if (std::fflush(stdout) != 0) throw std::runtime_error("cannot write to standard output");
   }
   return exit_ok;
 }
@@ -172,11 +173,11 @@ void add_status(CLI::App& app, Job& job) {
   auto options = std::make_shared<StatusOptions>();
   options->bus.run.clear();
   options->bus.process = "aloft-status";
-  command->add_option("--run", options->bus.run, "Name of the run [all that are there]");
+  command->add_option("--run", options->bus.run, "Name of the run [all that are there]")->check(runtime::bus_name());
   runtime::add_bus_flags(*command, options->bus);
   command->add_flag("--watch", options->watch, "Go on until Ctrl-C: redraws a terminal, else prints a line every 5 s");
   command->add_option("--wait", options->wait_s, "Seconds to wait for the first news")
-      ->check(CLI::Range(0.1, 600.0))
+      ->check(runtime::number(0.1, 600))
       ->capture_default_str();
   add_format(*command, options->format, {"text", "json"});
   command->callback([options, &job] {

@@ -4,9 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/local_experiment.hpp"
 #include "tools/report/report.hpp"
@@ -106,7 +108,7 @@ void save_picture(const TournamentOptions& options, const std::string& experimen
   if (!std::filesystem::exists(chart))
     throw InputError(
         fmt::format("--picture: '{}' has fewer than two generated conditions, so there is no such chart", experiment));
-  experiment::write_text_file(options.picture, experiment::read_text_file(chart));
+  experiment::write_text_file(options.picture, read_file(chart));
 }
 
 int tournament(const TournamentOptions& options) {
@@ -159,7 +161,7 @@ void add_tournament(CLI::App& app, Job& job) {
       ->add_option("--dqn-trials", options->dqn_trials,
                    "Trials per condition that agents of type dqn fly, at most those of the experiment; a flight takes "
                    "about a second of CPU time")
-      ->check(CLI::Range(1, 100'000))
+      ->check(runtime::whole_number(1, 100'000))
       ->capture_default_str();
   options->flying.add_to(*command);
   command->callback([options, &job] { job = [options] { return tournament(*options); }; });

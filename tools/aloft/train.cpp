@@ -12,7 +12,9 @@
 #include "common/base/cores.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/experiment/text_file.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/interrupt.hpp"
 #include "tools/train/config.hpp"
@@ -27,6 +29,8 @@ struct TrainOptions {
   std::filesystem::path out;
   unsigned threads = usable_cores();
 };
+
+constexpr std::uint64_t largest_checkpoint_bytes = std::uint64_t{16} << 30U;
 
 /// The networks that a model holds.
 constexpr std::array kinds{agents::QosKind::spectral_efficiency, agents::QosKind::throughput};
@@ -100,7 +104,7 @@ std::vector<float> train_side(const TrainOptions& options, std::size_t side, con
   train::Trainer trainer(kinds.at(side), settings, threads, watch);
   if (std::filesystem::exists(checkpoint)) {
     try {
-      trainer.restore_state(experiment::read_text_file(checkpoint));
+      trainer.restore_state(read_file(checkpoint, largest_checkpoint_bytes));
     } catch (const IntegrityError& error) {
       throw InputError(
           fmt::format("{}: cannot go on from this checkpoint: {}. It may be of another configuration: delete it to "
@@ -165,7 +169,7 @@ void add_train(CLI::App& app, Job& job) {
                    "is finished, checkpoints")
       ->required();
   pretrained->add_option("--threads", options->threads, "Threads; the result is the same for any number")
-      ->check(CLI::Range(1U, 1'024U));
+      ->check(runtime::whole_number(1, 1'024));
   pretrained->callback([options, &job] { job = [options] { return train_pretrained(*options); }; });
 }
 

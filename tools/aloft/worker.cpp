@@ -18,6 +18,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "services/runtime/notifier.hpp"
 #include "services/runtime/run_follower.hpp"
 #include "services/runtime/standstill_watch.hpp"
@@ -203,21 +204,24 @@ void add_worker(CLI::App& app, Job& job) {
       "worker", "Join a run from this machine with one worker: environment, channel and agents; ends with the run");
   auto options = std::make_shared<WorkerOptions>();
   command->add_option("--join", options->bus.run, "Name of the run: --run of its coordinator, or of aloft run")
-      ->required();
+      ->required()
+      ->check(runtime::bus_name());
   command->add_option("--agents", options->agents, "Fly only these agents of the experiment, e.g. dqn,min-height [all]")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->check(agent_name());
   command
       ->add_option("--learner-threads", options->learner_threads,
                    "Flights learnt from at the same time; give each of several workers on one host its share of the "
                    "cores")
-      ->check(CLI::Range(1, 256))
+      ->check(runtime::whole_number(1, 256))
       ->capture_default_str();
-  command->add_option("--name", options->name, "Name of the worker, unique in the run [HOST-PID]");
+  command->add_option("--name", options->name, "Name of the worker, unique in the run [HOST-PID]")
+      ->check(runtime::bus_name());
   command->add_option("--log-dir", options->log_dir, "Folder for the logs of its processes [log/NAME]");
   command
       ->add_option("--wait", options->wait_s,
                    "Time in seconds to wait for a coordinator, at the start or after it went silent")
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(runtime::number(1, 1e6))
       ->capture_default_str();
   runtime::add_bus_flags(*command, options->bus);
   command->callback([options, &job] { job = [options] { return work(*options); }; });

@@ -21,22 +21,22 @@ using Json = nlohmann::json;
 /// Settings that came after the first results were stored: at their defaults they change nothing.
 constexpr std::array later_settings{"speed_m_per_s", "energy_weight", "handover_cost"};
 
-/// What cannot change a result is left out: a file counts by its SHA-256.
+/// Of an agent, and of the crew of a relay.
+void forget_file(Json& agent) {
+  if (const std::string& file = agents::agent_type(agent.at("type").get<std::string>()).file_parameter; !file.empty()) {
+    agent.erase(file);
+    if (agent.value(file + "_sha256", "").empty()) agent.erase(file + "_sha256");
+  }
+  if (const auto crew = agent.find("crew"); crew != agent.end())
+    for (Json& member : *crew) forget_file(member.at("agent"));
+}
+
 Json identity(const Json& canonical) {
-  Json rest = canonical;
-  rest.erase("description");
+  Json rest = what_counts(canonical);
   for (const ParameterSpec& setting : file_settings())
     if (std::find(later_settings.begin(), later_settings.end(), setting.name) != later_settings.end() &&
         rest.value(setting.name, 0.0) == std::get<double>(setting.default_value))
       rest.erase(setting.name);
-  for (Json& world : rest.at("worlds"))
-    for (const char* key : {"file", "name", "swept"}) world.erase(key);
-  for (Json& agent : rest.at("agents"))
-    if (const std::string& file = agents::agent_type(agent.at("type").get<std::string>()).file_parameter;
-        !file.empty()) {
-      agent.erase(file);
-      if (agent.value(file + "_sha256", "").empty()) agent.erase(file + "_sha256");
-    }
   return rest;
 }
 
@@ -113,6 +113,15 @@ class Differences {
 };
 
 }  // namespace
+
+Json what_counts(const Json& canonical) {
+  Json rest = canonical;
+  rest.erase("description");
+  for (Json& world : rest.at("worlds"))
+    for (const char* key : {"file", "name", "swept"}) world.erase(key);
+  for (Json& agent : rest.at("agents")) forget_file(agent);
+  return rest;
+}
 
 std::string id_of(const Json& canonical) {
   return sha256_hex(identity(canonical).dump()).substr(0, 16);

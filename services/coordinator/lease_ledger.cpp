@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/base/random.hpp"
+#include "common/base/permutation.hpp"
 
 namespace aloft::coordinator {
 namespace {
@@ -32,13 +32,12 @@ std::size_t checked_size(const LedgerOptions& options) {
 }
 
 std::vector<std::uint32_t> lease_order(const LedgerOptions& options, std::size_t trials) {
-  std::vector<std::uint32_t> order(trials);
-  std::iota(order.begin(), order.end(), 0U);
   if (options.order == TrialOrder::shuffled) {
     RandomStream random(options.order_seed, 0, "trial-order");
-    for (std::size_t i = order.size() - 1; i > 0; --i)
-      std::swap(order[i], order[random.uniform_index(static_cast<std::uint32_t>(i + 1))]);
+    return permutation(static_cast<std::uint32_t>(trials), random);
   }
+  std::vector<std::uint32_t> order(trials);
+  std::iota(order.begin(), order.end(), 0U);
   return order;
 }
 

@@ -123,6 +123,24 @@ TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resum
   CHECK(scene.digest("resumed", {"--workers", "2"}) == reference);
 }
 
+TEST_CASE("--shuffled shuffles in process, too") {
+  const Scene scene;
+  // With this seed, trial 0 comes late.
+  write_text(scene.experiment, R"({"name": "long", "seed": 5, "trials": 500, "world": {"bs_density_per_km2": 5},
+                                   "agents": [{"type": "dqn", "epochs": 300}]})");
+  const auto first_trial = [&](const std::string& name, const std::vector<std::string>& options) {
+    Command run(scene.command(name, options));
+    scene.wait_for_flights(name, run);
+    run.send(SIGINT);
+    CHECK(run.wait(std::chrono::seconds(60)).exit_code == 130);
+    const Json flights =
+        Json::parse(run_command({"aloft", "export", scene.out(name), "--flights", "--format", "json"}).out);
+    return flights.at(0).at("trial").get<int>();
+  };
+  CHECK(first_trial("in-order", {"--in-process", "--workers", "1"}) == 0);
+  CHECK(first_trial("shuffled", {"--in-process", "--workers", "1", "--shuffled"}) > 0);
+}
+
 TEST_CASE("what an agent remembers from trial to trial is the same in process, on workers, and through kills") {
   const Scene scene;
   // Two agents with chains of their own; the trials wait for each other as both need it.

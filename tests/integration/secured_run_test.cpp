@@ -300,6 +300,17 @@ TEST_CASE("a process does not start with keys that it should not use") {
     CHECK(finished.exit_code == 2);
     CHECK_THAT(finished.err, Contains("channel/key.pem: other users may read this private key (mode 644); chmod 600"));
   }
+  CHECK_FALSE(fs::exists(scratch / "out"));
+  // A run that has nothing left to fly checks them, too.
+  std::vector<std::string> run{
+      "aloft", "run", experiment, "--trials", "1", "--agents", "min-height", "--out", (scratch / "done").string()};
+  run.push_back("--in-process");
+  REQUIRE(run_command(run).exit_code == 0);
+  run.back() = "--secure";
+  run.push_back(keys.string());
+  const Finished finished_run = run_command(run);
+  CHECK(finished_run.exit_code == 2);
+  CHECK_THAT(finished_run.err, Contains("channel/key.pem: other users may read this private key"));
   const Finished missing = run_command({"aloft", "status", "--secure", (scratch / "nowhere").string()});
   CHECK(missing.exit_code == 2);
   CHECK_THAT(missing.err, Contains("nowhere: there is no such folder") && Contains("aloft keys init"));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/permutation.hpp"
 #include "common/experiment/trial_world.hpp"
 
 namespace aloft::cli {
@@ -22,11 +23,13 @@ struct Flown {
 /// lineage by lineage.
 class Run {
  public:
-  Run(store::ResultStore& results, unsigned fail_fast, Progress& progress, const std::atomic<bool>& interrupted)
+  Run(store::ResultStore& results, bool shuffled, unsigned fail_fast, Progress& progress,
+      const std::atomic<bool>& interrupted)
       : results_(results),
         experiment_(results.experiment()),
         stored_(results.keys()),
         lineages_(lineages_of(experiment_)),
+        order_(shuffled ? shuffled_order() : std::vector<std::uint32_t>{}),
         fail_fast_(fail_fast),
         progress_(progress),
         interrupted_(interrupted),
@@ -48,12 +51,21 @@ class Run {
     return lineages == 0 ? experiment.trials : std::min(lineages, experiment.trials);
   }
 
+  [[nodiscard]] std::uint32_t all_lineages() const {
+    return lineages_ * static_cast<std::uint32_t>(experiment_.conditions.size());
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> shuffled_order() const {
+    RandomStream random(experiment_.seed, 0, "trial-order");
+    return permutation(all_lineages(), random);
+  }
+
   void fly_trials() {
-    const std::uint64_t lineages = std::uint64_t{lineages_} * experiment_.conditions.size();
     while (!stop()) {
       const std::uint64_t next = next_lineage_++;
-      if (next >= lineages) return;
-      fly_lineage(experiment_.conditions[next / lineages_], static_cast<std::uint32_t>(next % lineages_));
+      if (next >= all_lineages()) return;
+      const std::uint32_t lineage = order_.empty() ? static_cast<std::uint32_t>(next) : order_[next];
+      fly_lineage(experiment_.conditions[lineage / lineages_], lineage % lineages_);
     }
   }
 
@@ -138,7 +150,8 @@ class Run {
   store::ResultStore& results_;
   const experiment::Experiment& experiment_;
   const std::set<experiment::FlightKey> stored_;
-  const std::uint32_t lineages_;
+  const std::uint32_t lineages_;            // of each condition
+  const std::vector<std::uint32_t> order_;  // of all lineages; empty: as they come
   unsigned fail_fast_;
   Progress& progress_;
   const std::atomic<bool>& interrupted_;
@@ -152,9 +165,23 @@ class Run {
 
 }  // namespace
 
-std::vector<std::string> run_in_process(store::ResultStore& results, unsigned threads, unsigned fail_fast,
-                                        Progress& progress, const std::atomic<bool>& interrupted) {
-  return Run(results, fail_fast, progress, interrupted).fly_all(threads);
+void check_flies_in_process(const experiment::Experiment& experiment) {
+  const auto check = [](const agents::AgentSpec& spec) {
+    if (agents::agent_type(spec.type).foreign)
+      throw InputError(fmt::format(
+          "--in-process: agent '{}' is a program of your own, which speaks over DDS; leave --in-process out "
+          "and start your program, or name other agents with --agents",
+          spec.name));
+  };
+  for (const agents::AgentSpec& spec : experiment.agents) {
+    check(spec);
+    for (const agents::CrewMember& member : spec.crew) check(member.agent);
+  }
+}
+
+std::vector<std::string> run_in_process(store::ResultStore& results, unsigned threads, bool shuffled,
+                                        unsigned fail_fast, Progress& progress, const std::atomic<bool>& interrupted) {
+  return Run(results, shuffled, fail_fast, progress, interrupted).fly_all(threads);
 }
 
 }  // namespace aloft::cli

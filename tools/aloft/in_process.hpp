@@ -9,10 +9,14 @@
 
 namespace aloft::cli {
 
-/// Flies everything of `results`' experiment that is not stored yet, on `threads` threads, without DDS.
+/// InputError if an agent is a program of the user's, which speaks over DDS alone.
+void check_flies_in_process(const experiment::Experiment& experiment);
+
+/// Flies everything of `results`' experiment that is not stored yet, on `threads` threads, without DDS, and `shuffled`
+/// in an order that the seed decides.
 /// `fail_fast` > 0 stops after that many failed trials; `interrupted` is looked at between flights. Returns one line
 /// per failed trial.
-std::vector<std::string> run_in_process(store::ResultStore& results, unsigned threads, unsigned fail_fast,
-                                        Progress& progress, const std::atomic<bool>& interrupted);
+std::vector<std::string> run_in_process(store::ResultStore& results, unsigned threads, bool shuffled,
+                                        unsigned fail_fast, Progress& progress, const std::atomic<bool>& interrupted);
 
 }  // namespace aloft::cli

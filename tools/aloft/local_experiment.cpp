@@ -9,16 +9,21 @@
 #include "common/base/cores.hpp"
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
+#include "common/bus/keys.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/warnings.hpp"
 #include "common/store/result_store.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/in_process.hpp"
 #include "tools/aloft/interrupt.hpp"
 #include "tools/aloft/local_run.hpp"
 
 namespace aloft::cli {
 namespace {
+
+// Coordinator, collector, discovery server and this process beside four of each worker.
+constexpr unsigned max_workers = (bus::max_processes - 4) / 4;
 
 /// Returns true if every flight is stored; what failed for good is added to `failures`.
 bool fly_missing(const experiment::Experiment& experiment, const std::filesystem::path& dir,
@@ -33,12 +38,13 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     progress.note(fmt::format("{}: {} of {} flights are already there", dir.string(), already_done, total));
   bool complete = already_done == total;
   if (!complete && options.in_process) {
-    failures = run_in_process(*results, options.workers, options.fail_fast, progress, interrupted);
+    failures =
+        run_in_process(*results, options.workers_here(), options.shuffled, options.fail_fast, progress, interrupted);
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
     const LocalRun local{.dir = dir,
-                         .workers = options.workers,
+                         .workers = options.workers_here(),
                          .learner_threads = options.learner_threads_per_worker(),
                          .pinned = !options.unpinned,
                          .fail_fast = options.fail_fast,
@@ -52,40 +58,59 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
 
 }  // namespace
 
-FlyingOptions::FlyingOptions() : workers(usable_cores()) {}
+unsigned FlyingOptions::workers_here() const {
+  return workers.value_or(in_process ? usable_cores() : std::min(usable_cores(), max_workers));
+}
 
 unsigned FlyingOptions::learner_threads_per_worker() const {
-  return learner_threads > 0 ? learner_threads : std::max(1U, usable_cores() / std::max(1U, workers));
+  return learner_threads > 0 ? learner_threads : std::max(1U, usable_cores() / std::max(1U, workers_here()));
+}
+
+void FlyingOptions::check(const experiment::Experiment& experiment) const {
+  if (in_process) check_flies_in_process(experiment);
+  if (in_process && workers_here() == 0)
+    throw InputError("--workers 0: --in-process needs a thread at least; use 1 to 64");
+  if (!in_process && workers_here() > max_workers)
+    throw InputError(
+        fmt::format("--workers {}: a worker is four processes, and {} processes fit in a DDS domain, so use at most {} "
+                    "workers, or --in-process, where they are threads",
+                    workers_here(), bus::max_processes, max_workers));
+  if (!bus.secure.empty())  // now, rather than by processes that end and are started again
+    for (const bus::Role role : bus::all_roles)
+      if (role != bus::Role::run_operator) (void)bus::check_keys(bus.secure, role);
 }
 
 void FlyingOptions::add_to(CLI::App& command) {
   command
-      .add_option("--workers", workers,
-                  "Worker groups (environment, channel, agents) started here; 0: only those that join; with "
-                  "--in-process: threads")
-      ->check(CLI::Range(0, 64))
-      ->capture_default_str();
+      .add_option(
+          "--workers", workers,
+          fmt::format("Worker groups (environment, channel, agents) started here, at most {}; 0: only those that "
+                      "join; with --in-process: threads [one per core]",
+                      max_workers))
+      ->check(runtime::whole_number(0, 64));
   command
       .add_option("--learner-threads", learner_threads,
                   "Flights that each worker learns from at the same time; the bytes are the same [cores / workers]")
-      ->check(CLI::Range(1, 256));
+      ->check(runtime::whole_number(1, 256));
   command.add_flag("--unpinned", unpinned,
                    "Let workers move between cores, instead of keeping each on an equal share of them: slower, but "
                    "better when other programs occupy some cores");
   command.add_option("--fail-fast", fail_fast, "Stop after this many failed trials; 0: fly the rest, then report")
+      ->check(runtime::whole_number(0, 1'000'000'000))
       ->capture_default_str();
   command.add_flag("--in-process", in_process, "Fly in this process, without DDS: the same bytes");
   command.add_flag("--shuffled", shuffled, "Hand out the trials in a shuffled order: the same bytes");
   bus.run.clear();
-  command.add_option("--run", bus.run,
-                     "Name of the run on the bus, for workers and external agents that join it [one of its own]");
+  command
+      .add_option("--run", bus.run,
+                  "Name of the run on the bus, for workers and external agents that join it [one of its own]")
+      ->check(runtime::bus_name());
   runtime::add_bus_flags(command, bus);
 }
 
 int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,
                    const FlyingOptions& options) {
-  if (options.in_process && options.workers == 0)
-    throw InputError("--workers 0: --in-process needs a thread at least; use 1 to 64");
+  options.check(experiment);
   const std::atomic<bool>& interrupted = note_interrupts();
   for (const experiment::Warning& warning : experiment::warnings(experiment))
     fmt::print(stderr, "warning: {}\n", warning.text);
@@ -103,6 +128,7 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
 
 int fly_experiments(const std::vector<experiment::Experiment>& all, const std::filesystem::path& out,
                     const FlyingOptions& options, const std::function<void(const std::filesystem::path& dir)>& flown) {
+  for (const experiment::Experiment& experiment : all) options.check(experiment);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const experiment::Experiment& experiment = all[i];
     fmt::print(stderr, "{} of {}: {}, {} flights\n", i + 1, all.size(), experiment.name,

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,19 @@ namespace aloft::cli {
 
 /// How an experiment is flown on this machine.
 struct FlyingOptions {
-  unsigned workers = 1;
-  unsigned learner_threads = 0;  ///< of each worker; 0: an equal share of the cores
+  std::optional<unsigned> workers{};  ///< none: one per core, as far as they fit
+  unsigned learner_threads = 0;       ///< of each worker; 0: an equal share of the cores
   unsigned fail_fast = 0;
   bool unpinned = false;
   bool in_process = false;
   bool shuffled = false;
   bus::BusOptions bus;
 
-  FlyingOptions();  ///< a worker per core
   void add_to(CLI::App& command);
+  [[nodiscard]] unsigned workers_here() const;  ///< with in_process: threads
   [[nodiscard]] unsigned learner_threads_per_worker() const;
+  /// InputError if they cannot fly this experiment here: before anything is written.
+  void check(const experiment::Experiment& experiment) const;
 };
 
 /// Flies what is missing in `dir` of this experiment and shows progress; Ctrl-C stops it. Writes summary.json and

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "common/bus/endpoint.hpp"
-#include "common/bus/keys.hpp"
 #include "common/bus/network.hpp"
 #include "common/bus/waiter.hpp"
 #include "tools/aloft/processes.hpp"
@@ -64,9 +63,6 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
   bus::BusOptions place = run.place;
   if (place.run.empty()) place.run = fmt::format("{}.{}", experiment.id, getpid());
   place.process = "aloft";
-  if (!place.secure.empty())  // now, rather than by processes that end and are started again
-    for (const bus::Role role : bus::all_roles)
-      if (role != bus::Role::run_operator) (void)bus::check_keys(place.secure, role);
   const bus::Participant participant(place);
   bus::Reader<wire::RunStatus> statuses(participant);
   statuses.expect_experiment(experiment.id);

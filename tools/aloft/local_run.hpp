@@ -22,9 +22,9 @@ struct LocalRun {
   bus::BusOptions place;  ///< an empty `run`: one of its own, so that runs on one machine do not hear each other
 };
 
-/// Starts metrics, coordinator and workers, and the discovery server if its address is one of this machine; restarts
-/// what dies, shows progress, and ends them all. Returns true if every flight is stored; what failed for good is added
-/// to `failures`. No process of the run is left when it returns.
+/// Of a secured run the keys have been checked. Starts metrics, coordinator and workers, and the discovery server if
+/// its address is one of this machine; restarts what dies, shows progress, and ends them all. Returns true if every
+/// flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 

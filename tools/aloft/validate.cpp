@@ -2,6 +2,7 @@
 
 #include "common/experiment/warnings.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/in_process.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -29,12 +30,15 @@ void add_validate(CLI::App& app, Job& job) {
   auto* command =
       app.add_subcommand("validate", "Check an experiment file and show what it would run; nothing is written");
   auto options = std::make_shared<ExperimentOptions>();
+  auto in_process = std::make_shared<bool>(false);
   auto format = std::make_shared<std::string>();
   options->add_to(*command);
+  command->add_flag("--in-process", *in_process, "Whether 'aloft run --in-process' can fly it, too");
   add_format(*command, *format, {"text", "json"});
-  command->callback([options, format, &job] {
-    job = [options, format] {
+  command->callback([options, in_process, format, &job] {
+    job = [options, in_process, format] {
       const experiment::Experiment experiment = options->load();
+      if (*in_process) check_flies_in_process(experiment);
       if (*format == "json") {
         nlohmann::json warnings = nlohmann::json::array();
         for (const auto& warning : experiment::warnings(experiment)) warnings.push_back(warning.text);

@@ -8,6 +8,8 @@
 #include <map>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
+#include "common/experiment/identity.hpp"
 
 namespace aloft::compare {
 namespace {
@@ -86,7 +88,8 @@ std::string names(const experiment::Experiment& experiment) {
   agents.reserve(experiment.agents.size());
   for (const auto& condition : experiment.conditions) conditions.push_back(condition.name);
   for (const auto& agent : experiment.agents) agents.push_back(agent.name);
-  return fmt::format("conditions {}; agents {}", fmt::join(conditions, ", "), fmt::join(agents, ", "));
+  return fmt::format("conditions {}; agents {}", excerpt(fmt::format("{}", fmt::join(conditions, ", "))),
+                     excerpt(fmt::format("{}", fmt::join(agents, ", "))));
 }
 
 /// Counts of flights that both sides have and where they first differ.
@@ -146,14 +149,16 @@ std::vector<SettingDifference> setting_differences(const experiment::Experiment&
   const auto at = [](const nlohmann::json& document, const nlohmann::json::json_pointer& path) {
     return document.contains(path) ? document.at(path).dump() : std::string("-");
   };
+  const nlohmann::json settings_a = experiment::what_counts(a.canonical);
+  const nlohmann::json settings_b = experiment::what_counts(b.canonical);
   std::vector<SettingDifference> differences;
-  for (const auto& change : nlohmann::json::diff(a.canonical, b.canonical)) {
+  for (const auto& change : nlohmann::json::diff(settings_a, settings_b)) {
     if (differences.size() == limit) break;
     const auto path = change.at("path").get<std::string>();
     const nlohmann::json::json_pointer pointer(path);
     // An entry appended to a list has the path "/list/-", which has no value of its own.
     const bool appended = path.size() >= 2 && path.compare(path.size() - 2, 2, "/-") == 0;
-    differences.push_back({path, appended ? "-" : at(a.canonical, pointer),
+    differences.push_back({path, appended ? "-" : at(settings_a, pointer),
                            change.contains("value") ? change["value"].dump() : std::string("-")});
   }
   return differences;

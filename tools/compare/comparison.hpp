@@ -61,7 +61,8 @@ struct Comparison {
 /// (Zou and Donner, Statistics in Medicine 27, 2008, Eq. 2). Throws InputError if nothing is shared.
 [[nodiscard]] Comparison compare(const Side& a, const Side& b);
 
-/// Where the resolved experiments differ: JSON path, value of A, value of B; at most `limit`.
+/// Where the resolved experiments differ in what can change a result: JSON path, value of A, value of B; at most
+/// `limit`.
 struct SettingDifference {
   std::string path;
   std::string a;

@@ -1,6 +1,7 @@
 #include "tools/compare/comparison.hpp"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
 
@@ -10,6 +11,7 @@ using aloft::compare::Side;
 using aloft::experiment::Experiment;
 using aloft::store::FlightSummary;
 using Catch::Matchers::Contains;
+using Json = nlohmann::json;
 
 namespace {
 
@@ -127,16 +129,42 @@ TEST_CASE("nothing shared is refused, with what each side has") {
 TEST_CASE("settings that differ are named with both values") {
   Experiment a;
   Experiment b;
-  a.canonical = {{"seed", 1}, {"world", {{"los_ray", "published"}}}, {"agents", {"p"}}};
-  b.canonical = {{"seed", 1}, {"world", {{"los_ray", "geometric"}}}, {"agents", {"p", "q"}}};
+  const auto settings = [](const char* los_ray, std::vector<Json> agents) {
+    return Json{{"seed", 1}, {"worlds", {{{"los_ray", los_ray}}}}, {"agents", std::move(agents)}};
+  };
+  const Json p{{"type", "min-height"}, {"name", "p"}};
+  const Json q{{"type", "min-height"}, {"name", "q"}};
+  a.canonical = settings("published", {p});
+  b.canonical = settings("geometric", {p, q});
   const auto differences = setting_differences(a, b, 10);
   REQUIRE(differences.size() == 2);
   CHECK(differences[0].path == "/agents/-");
   CHECK(differences[0].a == "-");
-  CHECK(differences[0].b == "\"q\"");
-  CHECK(differences[1].path == "/world/los_ray");
+  CHECK(differences[0].b == q.dump());
+  CHECK(differences[1].path == "/worlds/0/los_ray");
   CHECK(differences[1].a == "\"published\"");
   CHECK(differences[1].b == "\"geometric\"");
   CHECK(setting_differences(a, b, 1).size() == 1);
   CHECK(setting_differences(a, a, 10).empty());
+}
+
+TEST_CASE("where files lie is no setting, what they hold is") {
+  const auto settings = [](const std::string& clone, const std::string& sha256) {
+    const Json trained{{"type", "pretrained"}, {"name", "p"}, {"model", clone + "/model.pb"}, {"model_sha256", sha256}};
+    Experiment experiment;
+    experiment.canonical = {
+        {"description", "in " + clone},
+        {"energy_weight", 0},
+        {"worlds", {{{"kind", "measured"}, {"name", "grid"}, {"file", clone + "/grid.csv"}, {"file_sha256", "1"}}}},
+        {"agents", {trained, {{"type", "relay"}, {"name", "r"}, {"crew", {{{"agent", trained}}}}}}}};
+    return experiment;
+  };
+  CHECK(setting_differences(settings("/home/a", "2"), settings("/home/b", "2"), 10).empty());
+  const auto differences = setting_differences(settings("/home/a", "2"), settings("/home/b", "3"), 10);
+  REQUIRE(differences.size() == 2);
+  CHECK(differences[0].path == "/agents/0/model_sha256");
+  CHECK(differences[1].path == "/agents/1/crew/0/agent/model_sha256");
+  Experiment weighted = settings("/home/a", "2");
+  weighted.canonical["energy_weight"] = 1;
+  CHECK(setting_differences(settings("/home/a", "2"), weighted, 10).front().a == "0");  // defaults are shown, too
 }

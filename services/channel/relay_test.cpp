@@ -186,6 +186,33 @@ TEST_CASE("an order takes effect at its step, once, and stands for later flights
   CHECK(later.asked() == "constant-60");
 }
 
+TEST_CASE("an order for later flights is measured by the longest of them, if their lengths are known") {
+  AgentDirectory agents;
+  wire::AgentStatus status;
+  status.agent(wire::name("random-walk"));
+  agents.update(status, start);
+  const auto accepted = [&](const std::string& worlds, std::uint32_t from_step) {
+    const auto experiment =
+        experiment::parse(R"({"name": "test", "trials": 1, "worlds": [)" + worlds + R"(], "on_agent_loss": "failover",
+            "agents": [{"type": "relay", "name": "both", "crew": )" +
+                              standby_crew + "}]}",
+                          "test");
+    SwapDesk desk;
+    wire::SwapRequest request;
+    request.request_id(5);
+    request.agent(wire::name("random-walk"));
+    request.from_step(from_step);
+    (void)desk.handle(request, experiment, agents, {}, start);
+    return desk.reply().accepted();
+  };
+  const std::string two = R"({"name": "short", "steps": 9}, {"name": "long", "steps": 50})";
+  CHECK(accepted(two, 50));
+  CHECK_FALSE(accepted(two, 51));
+  const std::string measured =
+      R"({"kind": "measured", "file": "/nowhere/x.csv", "file_sha256": ")" + std::string(64, '0') + "\"}";
+  CHECK(accepted(two + ", " + measured, 9999));  // only its file knows
+}
+
 TEST_CASE("swaps that make no sense are refused with what to do") {
   AgentDirectory agents;
   const SwapDesk::Episodes none;
@@ -211,6 +238,8 @@ TEST_CASE("swaps that make no sense are refused with what to do") {
   SwapDesk::Episodes episodes;
   episodes.push_back(std::move(talk.episode));
   CHECK_THAT(refusal(talk.experiment, "random-walk", 10, episodes), Contains("10") && Contains("1 to 9"));
+  CHECK_THAT(refusal(talk.experiment, "random-walk", 10, none),
+             Contains("no flight of experiment 'test' has more than 9"));
   CHECK_THAT(refusal(experiment_with(written_crew, "restart"), "random-walk", 0, none),
              Contains("from_step") && Contains("failover"));
   CHECK_THAT(refusal(experiment::parse(R"({"name": "t", "trials": 1, "world": {}, "agents": ["min-height"]})", "test"),

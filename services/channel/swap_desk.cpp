@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <set>
 
 #include "common/base/nearest.hpp"
 
@@ -24,12 +26,23 @@ std::vector<std::string> crews(const experiment::Experiment& experiment) {
   return names;
 }
 
-/// Of the relays that the agent may fly; 0 if their lengths are not known yet.
-std::uint32_t longest_flight(std::string_view agent, const SwapDesk::Episodes& episodes) {
+/// Of those that the agent may fly, in the air or later; 0 if that is not known: how long a measured flight is, its
+/// file says, which only those know who fly it.
+std::uint32_t longest_flight(std::string_view agent, const experiment::Experiment& experiment,
+                             const SwapDesk::Episodes& episodes) {
   std::uint32_t longest = 0;
-  for (const auto& episode : episodes)
-    if (episode && in_crew(episode->agent(), agent)) longest = std::max(longest, episode->flight().info().steps);
-  return longest;
+  std::set<std::uint32_t> known;
+  for (const experiment::Condition& condition : experiment.conditions) {
+    if (condition.kind != experiment::WorldKind::generated) continue;
+    longest = std::max(longest, static_cast<std::uint32_t>(condition.world.integer("steps")));
+    known.insert(condition.index);
+  }
+  for (const auto& episode : episodes) {
+    if (!episode || !in_crew(episode->agent(), agent)) continue;
+    longest = std::max(longest, episode->flight().info().steps);
+    known.insert(episode->address().condition);
+  }
+  return known.size() == experiment.conditions.size() ? longest : 0;
 }
 
 /// Why the request cannot be met; empty if it can.
@@ -52,10 +65,10 @@ std::string objection(const wire::SwapRequest& request, const experiment::Experi
         experiment.name);
   if (agents.find(agent) == nullptr)
     return fmt::format("agent '{}' is not there; see the log of the process that hosts it", agent);
-  const std::uint32_t steps = longest_flight(agent, episodes);
+  const std::uint32_t steps = longest_flight(agent, experiment, episodes);
   if (steps > 0 && request.from_step() > steps)
-    return fmt::format("step {} is not allowed, because the flights in the air have {} steps; use 1 to {}",
-                       request.from_step(), steps, steps);
+    return fmt::format("step {} is not allowed, because no flight of experiment '{}' has more than {}; use 1 to {}",
+                       request.from_step(), experiment.name, steps, steps);
   return {};
 }
 
@@ -97,7 +110,12 @@ bool SwapDesk::recount(const Episodes& episodes) {
 
 void SwapDesk::brief(Episode& episode, Clock::time_point now) const {
   const auto order = orders_.find(episode.agent().name);
-  if (order != orders_.end()) episode.order(order->second, now);
+  if (order == orders_.end()) return;
+  episode.order(order->second, now);
+  if (const std::uint32_t steps = episode.flight().info().steps; order->second.from_step > steps)
+    spdlog::warn("agent {} was ordered to fly from step {} on, but this flight (condition {}, trial {}) has {} steps",
+                 order->second.agent, order->second.from_step, episode.address().condition, episode.address().trial,
+                 steps);
 }
 
 }  // namespace aloft::channel

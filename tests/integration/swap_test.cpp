@@ -361,7 +361,8 @@ TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
   };
   refused(swap({"dqm"}), "Did you mean 'dqn'?");
   refused(swap({"random-walk"}), "in no crew");
-  refused(swap({"dqn", "--at-step", "8001"}), "use 1 to 8000");
+  refused(swap({"dqn", "--at-step", "8001"}), "no flight of experiment 'shared' has more than 8000; use 1 to 8000");
+  refused(swap({""}), "--agent");
   refused(swap({"dqn", "--at-step", "0"}), "--at-step");
   refused(swap({"dqn", "--at-step", "5", "--now"}), "--now");
   refused(swap({"dqn"}, "w7"), "no worker 'w7'");

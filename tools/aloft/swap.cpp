@@ -12,6 +12,7 @@
 #include "common/bus/stop_signal.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -108,10 +109,14 @@ class Swap {
     if (!reply_.accepted())
       throw InputError(fmt::format("worker '{}': {}", options_.place.worker, plain_text(wire::view(reply_.message()))));
     const std::uint32_t flights = reply_.flights_waiting() + reply_.flights_flown();
-    fmt::print("{} flies {} of worker {} {}, and those that start later\n", options_.agent,
-               flights == 1 ? "the 1 flight in the air" : fmt::format("the {} flights in the air", flights),
-               options_.place.worker,
-               options_.at_step > 0 ? fmt::format("from step {} on", options_.at_step) : "from now on");
+    if (flights == 0)
+      fmt::print("worker {} has no such flight in the air; {} flies those that start later{}\n", options_.place.worker,
+                 options_.agent, options_.at_step > 0 ? fmt::format(", from step {} on", options_.at_step) : "");
+    else
+      fmt::print("{} flies {} of worker {} {}, and those that start later\n", options_.agent,
+                 flights == 1 ? "the 1 flight in the air" : fmt::format("the {} flights in the air", flights),
+                 options_.place.worker,
+                 options_.at_step > 0 ? fmt::format("from step {} on", options_.at_step) : "from now on");
     return exit_ok;
   }
 
@@ -133,15 +138,19 @@ void add_swap(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand(
       "swap", "Let another agent fly the relays of a worker, in mid-flight; needs \"on_agent_loss\": \"failover\"");
   auto options = std::make_shared<SwapOptions>();
-  command->add_option("--run", options->place.run, "Name of the run (aloft run ... --run NAME)")->required();
-  command->add_option("--worker", options->place.worker, "Worker, e.g. w0")->required();
-  command->add_option("--agent", options->agent, "Who flies from then on: one of the relay's crew")->required();
+  command->add_option("--run", options->place.run, "Name of the run (aloft run ... --run NAME)")
+      ->required()
+      ->check(runtime::bus_name());
+  command->add_option("--worker", options->place.worker, "Worker, e.g. w0")->required()->check(runtime::bus_name());
+  command->add_option("--agent", options->agent, "Who flies from then on: one of the relay's crew")
+      ->required()
+      ->check(agent_name());
   auto* at_step = command->add_option("--at-step", options->at_step, "The first step of every flight that it flies")
-                      ->check(CLI::Range(1, 10000));
+                      ->check(runtime::whole_number(1, 10000));
   command->add_flag("--now")->description("From the next step on [the default]")->excludes(at_step);
   runtime::add_bus_flags(*command, options->place);
   command->add_option("--limit", options->limit_s, "Seconds to wait until it flies")
-      ->check(CLI::Range(1, 600))
+      ->check(runtime::whole_number(1, 600))
       ->capture_default_str();
   command->callback([options, &job] {
     job = [options] {

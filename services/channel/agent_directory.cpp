@@ -6,6 +6,7 @@ namespace aloft::channel {
 namespace {
 
 constexpr std::chrono::seconds silence_limit{3};
+constexpr std::chrono::seconds absence_limit{3};
 
 }  // namespace
 
@@ -24,6 +25,7 @@ bool AgentDirectory::update(const wire::AgentStatus& status, Clock::time_point n
   entry.news.state(status.state());
   entry.news.flights(status.flights());
   agents_.insert_or_assign(std::string(agent), std::move(entry));
+  missed_.erase(std::string(agent));
   return added;
 }
 
@@ -35,6 +37,15 @@ std::vector<std::string> AgentDirectory::expire(Clock::time_point now) {
     gone.push_back(name);
   }
   return gone;
+}
+
+void AgentDirectory::miss(std::string_view agent, Clock::time_point now) {
+  missed_.try_emplace(std::string(agent), now);
+}
+
+bool AgentDirectory::waited_long(std::string_view agent, Clock::time_point now) const {
+  const auto since = missed_.find(agent);
+  return since != missed_.end() && now - since->second > absence_limit;
 }
 
 const AgentDirectory::Entry* AgentDirectory::find(std::string_view agent) const {

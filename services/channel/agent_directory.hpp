@@ -28,6 +28,11 @@ class AgentDirectory {
   /// again.
   std::vector<std::string> expire(Clock::time_point now);
 
+  /// A flight needs this agent, which is not there.
+  void miss(std::string_view agent, Clock::time_point now);
+  /// Whether flights have waited long enough for this agent: 3 s after it was missed first, until it speaks again.
+  [[nodiscard]] bool waited_long(std::string_view agent, Clock::time_point now) const;
+
   /// Null if the agent is not there.
   [[nodiscard]] const Entry* find(std::string_view agent) const;
   /// All of them, the lost ones too; at most as many as fit into a WorkerStatus.
@@ -35,6 +40,7 @@ class AgentDirectory {
 
  private:
   std::map<std::string, Entry, std::less<>> agents_;
+  std::map<std::string, Clock::time_point, std::less<>> missed_;  // since when
 };
 
 }  // namespace aloft::channel

@@ -9,6 +9,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "common/base/limits.hpp"
@@ -171,6 +172,9 @@ struct Channel::State {
 
   void on_agent(const wire::AgentStatus& status) {
     if (!agents.update(status, now)) return;
+    spared.erase(status.agent().to_string());
+    for (const std::unique_ptr<Episode>& episode : episodes)
+      if (episode) episode->comes(wire::view(status.agent()));
     spdlog::info("agent {} is there (process {} {})", wire::view(status.agent()), wire::view(status.process()),
                  status.pid());
     changed = true;
@@ -265,14 +269,16 @@ struct Channel::State {
       if (trial.lane < 0 && !trials.take_lane(trial)) continue;
       std::erase_if(trial.waiting, [&](const std::string& name) {
         const agents::AgentSpec& spec = experiment->agents[agent_index(name)];
-        if (const auto names = absent(spec); !names.empty() && !can_spare(spec, names)) return false;
-        start(trial, spec);
+        const std::vector<std::string> missing_agents = absent(spec);
+        if (!missing_agents.empty() && !can_spare(spec, missing_agents)) return false;
+        start(trial, spec, missing_agents);
         return true;
       });
     }
   }
 
-  void start(Trial& trial, const agents::AgentSpec& spec) {
+  /// `without`: those of its crew that are not there.
+  void start(Trial& trial, const agents::AgentSpec& spec, const std::vector<std::string>& without) {
     const auto index = static_cast<std::size_t>(&spec - experiment->agents.data());
     const agents::AgentType& type = agents::agent_type(spec.type);
     EpisodeAddress address;
@@ -289,6 +295,9 @@ struct Channel::State {
     episode = std::make_unique<Episode>(address, spec, privilege, *trial.map, experiment->seed,
                                         experiment->costs_in(experiment->conditions.at(trial.condition)), now,
                                         experiment->on_agent_loss == experiment::OnAgentLoss::failover);
+    for (const std::string& name : without)
+      if (spared.insert(name).second) spdlog::warn("agent {} is not there; relays fly without it until it comes", name);
+    episode->do_without(without, now);
     swaps.brief(*episode, now);
     leases[address.stream] = trial.lease_id;
     ++trial.in_the_air;
@@ -437,11 +446,8 @@ struct Channel::State {
         for (const std::string& waiting : trial.waiting)
           for (const std::string& name : absent(experiment->agents[agent_index(waiting)]))
             if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    std::erase_if(absent_since,
-                  [&](const auto& entry) { return std::find(names.begin(), names.end(), entry.first) == names.end(); });
-    std::erase_if(names, [&](const std::string& name) {
-      return now - absent_since.try_emplace(name, now).first->second <= missing_after;
-    });
+    for (const std::string& name : names) agents.miss(name, now);
+    std::erase_if(names, [&](const std::string& name) { return !agents.waited_long(name, now); });
     return names;
   }
 
@@ -459,10 +465,8 @@ struct Channel::State {
   /// Whether a relay has waited long enough for some of its crew, and may fly with the others.
   [[nodiscard]] bool can_spare(const agents::AgentSpec& spec, const std::vector<std::string>& names) const {
     return experiment->on_agent_loss == experiment::OnAgentLoss::failover && names.size() < spec.crew.size() &&
-           std::all_of(names.begin(), names.end(), [&](const std::string& name) {
-             const auto since = absent_since.find(name);
-             return since != absent_since.end() && now - since->second > missing_after;
-           });
+           std::all_of(names.begin(), names.end(),
+                       [&](const std::string& name) { return agents.waited_long(name, now); });
   }
 
   [[nodiscard]] std::size_t agent_index(std::string_view name) const {
@@ -501,6 +505,7 @@ struct Channel::State {
   std::map<std::uint32_t, std::uint64_t> leases;   // by stream
   std::map<std::uint64_t, std::uint32_t> lost_histories;
   AgentDirectory agents;
+  std::set<std::string> spared;  // that relays fly without
   Outbox outbox;
   SwapDesk swaps;
 
@@ -510,7 +515,6 @@ struct Channel::State {
   std::uint32_t last_attempt = first_attempt();
   std::map<std::uint64_t, std::string> failing;  // leases, with the reason
   std::deque<std::pair<std::uint64_t, std::string>> failures;
-  std::map<std::string, Clock::time_point> absent_since;
   Clock::time_point environment_seen = Clock::now();
   std::string missing;
   std::string host = host_name();

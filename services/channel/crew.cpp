@@ -25,7 +25,34 @@ std::size_t Crew::find(std::string_view name) const noexcept {
   return static_cast<std::size_t>(at - relay_.crew.begin());
 }
 
+bool Crew::do_without(const std::vector<std::string>& absent, Clock::time_point now) {
+  if (!failover_) return false;
+  for (const std::string& name : absent)
+    if (const std::size_t index = find(name); index < members_.size()) members_[index].absent = true;
+  return ask(pilot_, now);
+}
+
+void Crew::comes(std::string_view name) {
+  const std::size_t index = find(name);
+  if (index == members_.size() || !std::exchange(members_[index].absent, false)) return;
+  members_[index].left = true;
+}
+
+bool Crew::at_hand(std::size_t index) const noexcept {
+  const Member& member = members_[index];
+  return member.aboard && !member.absent && !member.left && !member.failed;
+}
+
+std::size_t Crew::present(std::size_t index) const noexcept {
+  if (!members_[index].absent) return index;
+  if (at_hand(pilot_)) return pilot_;  // whoever flies goes on
+  for (std::size_t i = 0; i < members_.size(); ++i)
+    if (at_hand(i)) return i;
+  return index;
+}
+
 bool Crew::ask(std::size_t index, Clock::time_point now) {
+  index = present(index);
   asked_at_ = now;
   members_[index].aboard = true;
   members_[index].left = false;
@@ -64,6 +91,7 @@ bool Crew::takes(std::string_view name, Clock::time_point now) {
   if (index == pilot_) return true;
   if (!failover_ || now - asked_at_ < takeover_after) return false;
   members_[pilot_].left = true;
+  members_[index].absent = false;
   ask(index, now);
   return true;
 }
@@ -72,7 +100,7 @@ bool Crew::pass_on(Clock::time_point now) {
   if (!failover_) return false;
   members_[pilot_].failed = true;
   for (std::size_t i = 0; i < members_.size(); ++i)
-    if (members_[i].aboard && !members_[i].left && !members_[i].failed) return ask(i, now);
+    if (at_hand(i)) return ask(i, now);
   return false;
 }
 
@@ -84,13 +112,13 @@ void Crew::followed(std::string_view name) {
   const std::size_t index = find(name);
   if (index == members_.size()) return;
   members_[index].followed = members_[index].aboard = true;
-  members_[index].left = false;
+  members_[index].left = members_[index].absent = false;
 }
 
 bool Crew::is_behind(std::size_t index) const noexcept {
   const Member& member = members_[index];
   const bool silent = agents::agent_type(agent(index).type).foreign;  // hears only what it is asked
-  return index != pilot_ && member.aboard && !member.left && !member.followed && !silent;
+  return index != pilot_ && member.aboard && !member.absent && !member.left && !member.followed && !silent;
 }
 
 bool Crew::all_followed() const {

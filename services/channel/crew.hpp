@@ -22,9 +22,9 @@ struct SwapOrder {
 /// Who of a relay's crew flies, who follows, and whom the flight waits for. No bus; the clock is passed in.
 ///
 /// With `failover` the flight does not depend on anybody: a member that stands by takes over when it is heard and the
-/// pilot is silent (the middleware lets it be heard only when the pilot's process is gone), and a follower that falls
-/// silent is left behind. Without, all goes as the crew's entries say, and whoever is lost makes the flight start
-/// again.
+/// pilot is silent (the middleware lets it be heard only when the pilot's process is gone), a follower that falls
+/// silent is left behind, and who is absent from the start is neither asked nor waited for. Without, all goes as the
+/// crew's entries say, and whoever is lost makes the flight start again.
 class Crew {
  public:
   /// `relay` must outlive the crew.
@@ -33,6 +33,10 @@ class Crew {
   [[nodiscard]] const agents::AgentSpec& pilot() const noexcept { return agent(pilot_); }
   [[nodiscard]] bool failover() const noexcept { return failover_; }
 
+  /// These are not there as the flight begins: others are asked in their place. True if the pilot changes.
+  bool do_without(const std::vector<std::string>& absent, Clock::time_point now);
+  /// One of them has come: it may be asked, and is waited for once it is heard.
+  void comes(std::string_view name);
   /// The report of `step` - 1 is there: who is asked for `step`? True if it is another one than before.
   bool begin_step(std::uint32_t step, Clock::time_point now);
   /// From now on, or from a later step on, this agent of the crew flies; true if the pilot changes at once.
@@ -59,6 +63,7 @@ class Crew {
  private:
   struct Member {
     bool aboard = false;
+    bool absent = false;    // not asked and not waited for, until it comes or is heard
     bool left = false;      // not waited for, until it is heard again
     bool followed = false;  // the present report
     bool failed = false;    // could not command this step
@@ -68,6 +73,10 @@ class Crew {
   [[nodiscard]] bool is_behind(std::size_t index) const noexcept;
   /// Who is asked for `step`; an order takes effect here.
   std::size_t due(std::uint32_t step);
+  /// Who is asked when it is this one's turn: another one if it is absent.
+  [[nodiscard]] std::size_t present(std::size_t index) const noexcept;
+  /// Whether it has been there lately.
+  [[nodiscard]] bool at_hand(std::size_t index) const noexcept;
   /// True if it is another one than before.
   bool ask(std::size_t index, Clock::time_point now);
 

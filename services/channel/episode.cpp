@@ -49,6 +49,14 @@ Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, 
   bus::put(report_, flight_.observation());
 }
 
+void Episode::do_without(const std::vector<std::string>& absent, Clock::time_point now) {
+  if (crew_ && crew_->do_without(absent, now)) address_pilot(patience_);
+}
+
+void Episode::comes(std::string_view agent) {
+  if (crew_) crew_->comes(agent);
+}
+
 bool Episode::may_command(const wire::HeightCommand& message, Clock::time_point now) {
   if (!crew_) return message.agent() == agent_.name;
   if (held_ || !crew_->takes(wire::view(message.agent()), now)) return false;

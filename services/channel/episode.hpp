@@ -43,6 +43,11 @@ class Episode {
           radio::SignalMap& map, std::uint64_t seed, const flight::Costs& costs, Clock::time_point now,
           bool failover = false);
 
+  /// Before the first ask(), for a relay that may go on without some of its crew: these are not there.
+  void do_without(const std::vector<std::string>& absent, Clock::time_point now);
+  /// An agent of this worker is there again.
+  void comes(std::string_view agent);
+
   Outcome accept(const wire::HeightCommand& command, Clock::time_point now);
   /// What the agent remembers, after the last step; the flight of an agent that remembers earlier flights is finished
   /// only with it.

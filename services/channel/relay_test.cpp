@@ -142,6 +142,86 @@ TEST_CASE("failover: an agent that cannot go on passes the step on; when nobody 
   CHECK(talk.command("random-walk", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::lost);
 }
 
+TEST_CASE("failover: who is not there as the flight begins is neither asked nor waited for") {
+  SECTION("those who follow") {
+    Talk talk(standby_crew, true);
+    talk.episode->do_without({"random-walk"}, start);
+    CHECK(talk.command("min-height") == Outcome::ignored);  // constant-60 is there
+    CHECK(talk.episode->awaited() == "constant-60");
+    CHECK(talk.follow("constant-60") == Outcome::stepped);
+    CHECK(talk.follow("constant-60") == Outcome::ignored);
+    CHECK(talk.command("min-height") == Outcome::stepped);
+    CHECK(talk.follow("random-walk") == Outcome::ignored);  // it has come aboard, and is waited for again
+    talk.follow("constant-60");
+    CHECK(talk.command("min-height") == Outcome::stepped);
+    talk.follow("constant-60");
+    CHECK(talk.command("min-height") == Outcome::ignored);
+    CHECK(talk.episode->awaited() == "random-walk");
+  }
+  SECTION("the first pilot: the next of the crew flies at once, and goes on when the first is back") {
+    Talk talk(standby_crew, true);
+    talk.episode->do_without({"min-height"}, start);
+    CHECK(talk.asked() == "constant-60");
+    talk.follow("random-walk");
+    CHECK(talk.command("constant-60") == Outcome::stepped);
+    talk.fly("constant-60");
+    CHECK(talk.asked() == "constant-60");
+    CHECK(talk.pilots() == std::vector<std::string>{"constant-60", "constant-60"});
+  }
+  SECTION("who is written for a later step, unless it has come by then") {
+    const bool comes = GENERATE(true, false);
+    Talk talk(written_crew, true);
+    talk.episode->do_without({"constant-60"}, start);
+    CHECK(talk.command("min-height") == Outcome::stepped);
+    if (comes) talk.episode->comes("constant-60");  // not aboard: it is asked, but not waited for
+    CHECK(talk.command("min-height") == Outcome::stepped);
+    CHECK(talk.asked() == (comes ? "constant-60" : "min-height"));
+  }
+  SECTION("the pilot fails, and only those who are there can go on") {
+    Talk talk(standby_crew, true);
+    talk.episode->do_without({"constant-60"}, start);
+    CHECK(talk.command("min-height", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::passed_on);
+    CHECK(talk.asked() == "random-walk");
+    CHECK(talk.command("random-walk", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::lost);
+  }
+  SECTION("nobody at all: the first is asked") {
+    Talk talk(standby_crew, true);
+    talk.episode->do_without({"min-height", "constant-60", "random-walk"}, start);
+    CHECK(talk.asked() == "min-height");
+  }
+  SECTION("without failover everybody is waited for") {
+    Talk talk(written_crew, false);
+    talk.episode->do_without({"constant-60"}, start);
+    CHECK(talk.command("min-height") == Outcome::ignored);
+    CHECK(talk.episode->awaited() == "constant-60");
+  }
+}
+
+TEST_CASE("flights wait for an absent agent once, until it has been heard of again") {
+  AgentDirectory agents;
+  const auto says = [&](wire::AgentState state, Clock::time_point now) {
+    wire::AgentStatus status;
+    status.agent(wire::name("random-walk"));
+    status.state(state);
+    agents.update(status, now);
+  };
+  CHECK_FALSE(agents.waited_long("random-walk", start));
+  agents.miss("random-walk", start);
+  agents.miss("random-walk", start + 2s);  // the wait counts from the first time
+  CHECK_FALSE(agents.waited_long("random-walk", start + 3s));
+  CHECK(agents.waited_long("random-walk", start + 3001ms));
+  CHECK_FALSE(agents.waited_long("min-height", start + 3001ms));
+  agents.miss("random-walk", start + 60s);  // the next flight does not wait
+  CHECK(agents.waited_long("random-walk", start + 60s));
+
+  says(wire::AGENT_READY, start + 61s);
+  CHECK_FALSE(agents.waited_long("random-walk", start + 61s));
+  says(wire::AGENT_STOPPED, start + 62s);
+  agents.miss("random-walk", start + 63s);
+  CHECK_FALSE(agents.waited_long("random-walk", start + 66s));
+  CHECK(agents.waited_long("random-walk", start + 67s));
+}
+
 TEST_CASE("an order takes effect at its step, once, and stands for later flights") {
   Talk talk(standby_crew, true);
   AgentDirectory agents;

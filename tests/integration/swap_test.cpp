@@ -3,9 +3,9 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <iostream>
@@ -14,10 +14,12 @@
 #include <optional>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/store/result_store.hpp"
+#include "tests/faults/effort.hpp"
 #include "tests/integration/command.hpp"
 
 namespace aloft {
@@ -104,17 +106,18 @@ bool eventually(Condition condition, std::chrono::seconds limit = 30s) {
   return true;
 }
 
-/// When the first line with this text was logged, in seconds since the epoch.
-std::optional<double> logged_at(const std::string& log, const std::string& text) {
+/// When lines with this text were logged, in seconds since the epoch.
+std::vector<double> logged_at(const std::string& log, const std::string& text) {
+  std::vector<double> times_s;
   std::istringstream lines(log);
   for (std::string line; std::getline(lines, line);) {
     if (line.find(text) == std::string::npos) continue;
     std::tm time{};
-    if (strptime(line.c_str(), "%Y-%m-%dT%H:%M:%S", &time) == nullptr) return std::nullopt;
+    if (strptime(line.c_str(), "%Y-%m-%dT%H:%M:%S", &time) == nullptr) continue;
     time.tm_isdst = -1;
-    return static_cast<double>(std::mktime(&time)) + std::stod(line.substr(19, 4));
+    times_s.push_back(static_cast<double>(std::mktime(&time)) + std::stod(line.substr(19, 4)));
   }
-  return std::nullopt;
+  return times_s;
 }
 
 double seconds_since_epoch() {
@@ -142,7 +145,8 @@ class Orders {
     request.request_id(++last_id_);
     request.agent(wire::name(agent));
     const auto deadline = std::chrono::steady_clock::now() + 20s * test::slowdown;
-    std::optional<wire::SwapReply> reply;
+    std::optional<wire::SwapReply>& reply = last_reply_;
+    reply.reset();
     while (std::chrono::steady_clock::now() < deadline) {
       requests_.write(request);
       for (int i = 0; i < 20; ++i) {
@@ -155,13 +159,77 @@ class Orders {
     }
     return std::nullopt;
   }
+  /// In words, for a test that fails.
+  [[nodiscard]] std::string last_reply() const {
+    if (!last_reply_) return "no reply to the order";
+    return std::to_string(last_reply_->flights_waiting()) + " flights wait for the agent that was ordered, " +
+           std::to_string(last_reply_->flights_flown()) + " do not";
+  }
 
  private:
+  std::optional<wire::SwapReply> last_reply_;
   bus::Participant participant_;
   bus::Writer<wire::SwapRequest> requests_{participant_};
   bus::Reader<wire::SwapReply> replies_{participant_};
   bus::Waiter waiter_;
   std::uint64_t last_id_ = 0;
+};
+
+/// The processes of one worker, coordinator and collector, without `aloft run`, which would start again what is killed
+/// before anybody has to take over. Agents are started by the test.
+class SingleProcesses {
+ public:
+  explicit SingleProcesses(const Scene& scene, const std::string& lanes) : scene_(scene) {
+    for (const char* program : {"aloft-metrics", "aloft-coordinator"})
+      launch(program, program, {"--results", (scene.scratch / "run" / "results").string(), "--experiment", scene.file});
+    start("aloft-environment");
+    launch("aloft-channel", "aloft-channel", {"--worker", "w0", "--lanes", lanes});
+  }
+  /// With an agent: only that one is served, and the process is known by its name.
+  void start(const std::string& program, const std::string& agent = "") {
+    if (agent.empty())
+      launch(program, program, {"--worker", "w0"});
+    else
+      launch(agent, program, {"--worker", "w0", "--agents", agent});
+  }
+  [[nodiscard]] Command& at(const std::string& name) const { return *processes_.at(name); }
+
+ private:
+  void launch(const std::string& name, const std::string& program, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{program,
+                                       "--run",
+                                       Scene::run_name("run"),
+                                       "--domain",
+                                       test_domain(),
+                                       "--log-dir",
+                                       (scene_.scratch / "run" / "log").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    processes_[name] = std::make_unique<Command>(arguments);
+  }
+
+  const Scene& scene_;
+  std::map<std::string, std::unique_ptr<Command>> processes_;
+};
+
+/// Somebody else's work on every core.
+class BusyCores {
+ public:
+  BusyCores() {
+    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
+      threads_.emplace_back([this] {
+        while (!ending_) continue;
+      });
+  }
+  ~BusyCores() {
+    ending_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  BusyCores(const BusyCores&) = delete;
+  BusyCores& operator=(const BusyCores&) = delete;
+
+ private:
+  std::atomic<bool> ending_ = false;
+  std::vector<std::thread> threads_;
 };
 
 struct Footprint {
@@ -215,73 +283,73 @@ TEST_CASE("a written relay: the same bytes in process, over the bus, and through
   CHECK(scene.digest_of("killed") == reference);
 }
 
-TEST_CASE("failover: kill -9 the process that flies, and a standby flies on", "[.soak]") {
-  // The learner sets the pace: about a millisecond per step. `aloft run` would start again what is killed before
-  // anybody has to take over, so here is nobody who does.
-  const Scene scene(experiment_text("failover", 1, 3000, R"([{"agent": "min-height"},
-    {"agent": {"type": "dqn", "epochs": 20, "hidden_width": 64}}, {"agent": "constant-80"}])"));
-  std::map<std::string, std::unique_ptr<Command>> processes;
-  const auto start = [&](const std::string& program, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{program,
-                                       "--run",
-                                       Scene::run_name("run"),
-                                       "--domain",
-                                       test_domain(),
-                                       "--log-dir",
-                                       (scene.scratch / "run" / "log").string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    processes[program] = std::make_unique<Command>(arguments);
-  };
-  const auto start_agents = [&](const std::string& program) { start(program, {"--worker", "w0"}); };
-  for (const char* program : {"aloft-metrics", "aloft-coordinator"})
-    start(program, {"--results", (scene.scratch / "run" / "results").string(), "--experiment", scene.file});
-  for (const char* program : {"aloft-environment", "aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"})
-    start_agents(program);
+TEST_CASE("failover: kill -9 the process that flies, and a standby flies on in the time that is promised") {
+  // Two learners with a process each set the pace, whoever of them is there.
+  const int steps = test::effort(2000, 4000);
+  const Scene scene(experiment_text("failover", test::effort(3, 8), steps, R"([
+    {"agent": {"type": "dqn", "name": "first", "epochs": 30, "hidden_width": 64}},
+    {"agent": {"type": "dqn", "name": "second", "epochs": 30, "hidden_width": 64}}])"));
+  SingleProcesses processes(scene, "1");
+  processes.start("aloft-baseline-agent");
+  for (const char* agent : {"first", "second"}) processes.start("aloft-learning-agent", agent);
   Orders orders(Scene::run_name("run"));
-  const auto kill_and_wait = [&](const std::string& program, const std::string& pilot) {
-    const double killed_at = seconds_since_epoch();
-    processes.at(program)->send(SIGKILL);
-    std::optional<double> taken_over;
-    REQUIRE(eventually([&] {
-      taken_over = logged_at(scene.log("run", "aloft-channel-w0"), "agent " + pilot + " is lost");
-      return taken_over.has_value();
-    }));
-    start_agents(program);
-    return *taken_over - killed_at;
-  };
   REQUIRE(eventually([&] { return orders.ready(); }));
-  // Once two of the crew have flown, the flight is in full swing.
-  REQUIRE(eventually([&] {
-    const auto reply = orders.swap("constant-80");
-    return reply && reply->accepted() && reply->flights_flown() == 1;
-  }));
-  REQUIRE(orders.swap("min-height")->flights_flown() == 1);
-  const double first_s = kill_and_wait("aloft-baseline-agent", "min-height");
-  REQUIRE(eventually([&] {
-    return scene.log("run", "aloft-baseline-agent-w0").find("serves agent min-height") !=
-           scene.log("run", "aloft-baseline-agent-w0").rfind("serves agent min-height");
-  }));
-  std::this_thread::sleep_for(200ms);  // the restarted agents come aboard again
-  const double second_s = kill_and_wait("aloft-learning-agent", "dqn");
-  std::cout << "taken over after " << first_s << " s and " << second_s << " s\n";
-  CHECK(first_s < 5.0 * test::slowdown);  // 0.6 s on a quiet machine
-  CHECK(second_s < 5.0 * test::slowdown);
+  std::optional<BusyCores> others(std::in_place);
+  std::vector<double> waits_s;
+  const auto takeovers = [&] { return logged_at(scene.log("run", "aloft-channel-w0"), "agent first is lost in"); };
+  const auto over = [&] { return !processes.at("aloft-coordinator").running(); };
+  for (int i = 0; i < test::effort(3, 20); ++i) {
+    REQUIRE(eventually([&] {  // until it commands the flight; its process may just have been started
+      const auto reply = orders.swap("first");
+      return over() || (reply && reply->accepted() && reply->flights_flown() == 1);
+    }));
+    const std::size_t before = takeovers().size();
+    const double killed_at = seconds_since_epoch();
+    processes.at("first").send(SIGKILL);
+    REQUIRE(eventually([&] { return over() || takeovers().size() > before; }));
+    if (over()) break;
+    waits_s.push_back(takeovers().back() - killed_at);
+    processes.start("aloft-learning-agent", "first");
+  }
+  others.reset();
+  REQUIRE(waits_s.size() >= 2);
+  std::sort(waits_s.begin(), waits_s.end());
+  std::cout << "taken over after";
+  for (const double wait_s : waits_s) std::cout << ' ' << wait_s;
+  std::cout << " s\n";
+  CHECK(waits_s.front() > 0.4);  // the middleware's lease of 0.5 s, less the age of the last sign of life
+  CHECK(waits_s.front() < 1.0 * test::slowdown);
+  CHECK(waits_s.back() < 5.0 * test::slowdown);
 
-  CHECK(processes.at("aloft-coordinator")->wait(120s).exit_code == 0);
-  const auto flights = scene.pilots("run/results");
-  REQUIRE(flights.size() == 1);
-  CHECK(flights[0].size() == 3000);
-  const std::string& first = flights[0].front();
-  CHECK((first == "min-height" || first == "constant-80"));  // the order may have come before the first step
-  CHECK(std::count(flights[0].begin(), flights[0].end(), "dqn") > 0);
-  CHECK(flights[0].back() != "dqn");
-  // Random-walk, killed with its process, may have been flying as well: its flight is no relay and does start again.
-  CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("agent uav has no history"));
+  CHECK(processes.at("aloft-coordinator").wait(180s).exit_code == 0);
+  const auto flights = scene.pilots("run/results");  // checks that every step is there once
+  CHECK(flights.size() == static_cast<std::size_t>(test::effort(3, 8)));
+  std::size_t changed = 0;
+  for (const auto& flight : flights) {
+    CHECK(flight.size() == static_cast<std::size_t>(steps));
+    changed += changes(flight);
+  }
+  CHECK(changed >= waits_s.size());
+  CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("has no history"));
 }
 
-TEST_CASE("many swaps under load: no step lost or doubled, memory and files of all processes flat", "[.soak]") {
-  const char* const wanted = std::getenv("ALOFT_SWAPS");
-  const int swaps = wanted != nullptr ? std::stoi(wanted) : 50;
+TEST_CASE("a relay waits once for a member that never comes; its flights are the same") {
+  constexpr int trials = 20;
+  const std::string crew = R"([{"agent": "min-height"}, {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}])";
+  const Scene scene(experiment_text("failover", trials, 50, crew));
+  const std::string reference = scene.digest("in-process", {"--in-process"});
+  const auto start = std::chrono::steady_clock::now();
+  SingleProcesses processes(scene, "1");
+  processes.start("aloft-baseline-agent");
+  CHECK(processes.at("aloft-coordinator").wait(180s).exit_code == 0);
+  // Three seconds per trial would be a minute.
+  CHECK(std::chrono::steady_clock::now() - start < trials * 3s * test::slowdown);
+  CHECK(scene.digest_of("run/results") == reference);
+  CHECK(logged_at(scene.log("run", "aloft-channel-w0"), "agent dqn is not there; relays fly without it").size() == 1);
+}
+
+TEST_CASE("many swaps under load: no step lost or doubled, memory and files of all processes flat") {
+  const int swaps = test::effort(30, 1000);
   const int trials = std::max(4, swaps / 10);
   // Four flights at a time: two agents of the other process, one of them a learner, and one of this process.
   const Scene scene(experiment_text("failover", trials, 2000, R"([{"agent": "min-height"},
@@ -289,6 +357,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
   Command run(scene.command("run", {"--workers", "1"}));
   Orders orders(Scene::run_name("run"));
   REQUIRE(eventually([&] { return orders.ready(); }));
+  const BusyCores others;
   const char* const programs[] = {"aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"};
   const char* const agents[] = {"dqn", "constant-80", "min-height"};
   std::map<std::string, Footprint> before;
@@ -299,7 +368,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
     const double start_s = seconds_since_epoch();
     const auto reply = orders.swap(agents[i % 3]);
     if (!reply && !run.running()) break;
-    REQUIRE(reply);
+    if (!reply) FAIL(orders.last_reply() << "\n" << scene.log("run", "aloft-channel-w0"));
     waited_s += seconds_since_epoch() - start_s;
     if (!reply->accepted() || reply->flights_flown() == 0) {  // before the agents are there, or between two trials
       std::this_thread::sleep_for(100ms);
@@ -315,7 +384,8 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
         const Footprint after = footprint(scene.pid_of("run", program));
         INFO(program << ": " << before[program].memory_kib << " KiB, then " << after.memory_kib);
         CHECK(after.files <= before[program].files + 2);
-        if (test::slowdown == 1) CHECK(after.memory_kib < before[program].memory_kib + 10 * 1024);
+        // A few swaps are over before the process has reached its working size.
+        if (test::soak() && test::slowdown == 1) CHECK(after.memory_kib < before[program].memory_kib + 10 * 1024);
       }
   }
   CHECK(done == swaps);

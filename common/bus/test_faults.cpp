@@ -12,6 +12,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <charconv>
 #include <condition_variable>
 #include <cstdlib>
@@ -34,6 +36,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* variable = "ALOFT_TEST_FAULTS";
 constexpr unsigned max_delay_ms = 60'000;
+/// In the variable and in the log, by TestFault.
+constexpr std::array<std::string_view, test_fault_count> names{"data", "data_frag", "heartbeat", "acknack",
+                                                               "gap",  "any",       "duplicate", "delay"};
 
 unsigned number(std::string_view name, std::string_view text, unsigned limit) {
   unsigned value = 0;
@@ -138,6 +143,13 @@ class FaultyTransport : public transport::ChainingTransport {
  public:
   explicit FaultyTransport(const FaultyDescriptor& descriptor)
       : ChainingTransport(descriptor), descriptor_(descriptor), late_(descriptor.interfaces) {}
+  ~FaultyTransport() override {
+    std::string text;
+    for (std::size_t i = 0; i < test_fault_count; ++i) text += fmt::format(" {}={}", names.at(i), counts_.at(i).load());
+    spdlog::info("{}: messages that were damaged:{}", variable, text);
+  }
+  FaultyTransport(const FaultyTransport&) = delete;
+  FaultyTransport& operator=(const FaultyTransport&) = delete;
 
   transport::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
@@ -147,8 +159,8 @@ class FaultyTransport : public transport::ChainingTransport {
     if (lost(bytes, size)) return true;
     transport::LocatorList destinations;  // the middleware's iterators can be walked only once
     for (; *begin != *end; ++*begin) destinations.push_back(**begin);
-    if (chance(descriptor_.faults.duplicate)) send_late(destinations, {bytes, bytes + size});
-    if (chance(descriptor_.faults.delay)) {
+    if (happens(TestFault::duplicate)) send_late(destinations, {bytes, bytes + size});
+    if (happens(TestFault::delay)) {
       send_late(destinations, {bytes, bytes + size});
       return true;
     }
@@ -164,19 +176,24 @@ class FaultyTransport : public transport::ChainingTransport {
 
  private:
   bool lost(const rtps::octet* bytes, std::size_t size) {
-    const TestFaults& faults = descriptor_.faults;
-    if (chance(faults.any)) return true;
+    if (happens(TestFault::any)) return true;
     using namespace rtps_message;
     const std::set<unsigned> kinds = kinds_in(bytes, size);
-    return (kinds.contains(data) && chance(faults.data)) || (kinds.contains(data_frag) && chance(faults.data_frag)) ||
-           (kinds.contains(heartbeat) && chance(faults.heartbeat)) ||
-           (kinds.contains(acknack) && chance(faults.acknack)) || (kinds.contains(gap) && chance(faults.gap));
+    return (kinds.contains(data) && happens(TestFault::data)) ||
+           (kinds.contains(data_frag) && happens(TestFault::data_frag)) ||
+           (kinds.contains(heartbeat) && happens(TestFault::heartbeat)) ||
+           (kinds.contains(acknack) && happens(TestFault::acknack)) || (kinds.contains(gap) && happens(TestFault::gap));
   }
 
-  bool chance(unsigned percent) {
+  /// Draws whether this fault happens now, and counts it.
+  bool happens(TestFault fault) {
+    const auto index = static_cast<std::size_t>(fault);
+    const unsigned percent = descriptor_.faults.percent.at(index);
     if (percent == 0) return false;
     const std::lock_guard lock(mutex_);
-    return random_.uniform_index(100) < percent;
+    const bool hit = random_.uniform_index(100) < percent;
+    if (hit) ++counts_.at(index);
+    return hit;
   }
   void send_late(const transport::LocatorList& destinations, const std::vector<rtps::octet>& bytes) {
     const std::lock_guard lock(mutex_);
@@ -187,6 +204,7 @@ class FaultyTransport : public transport::ChainingTransport {
 
   FaultyDescriptor descriptor_;
   std::mutex mutex_;
+  std::array<std::atomic<std::uint64_t>, test_fault_count> counts_{};
   RandomStream random_{static_cast<std::uint64_t>(getpid()), 0, variable};
   LateSender late_;
 };
@@ -200,25 +218,21 @@ transport::TransportInterface* FaultyDescriptor::create_transport() const {
 TestFaults parse_test_faults(std::string_view text) {
   TestFaults faults;
   unsigned delay_ms = static_cast<unsigned>(faults.delay_limit.count());
-  const std::map<std::string_view, unsigned*> names{{"data", &faults.data},
-                                                    {"data_frag", &faults.data_frag},
-                                                    {"heartbeat", &faults.heartbeat},
-                                                    {"acknack", &faults.acknack},
-                                                    {"gap", &faults.gap},
-                                                    {"any", &faults.any},
-                                                    {"delay", &faults.delay},
-                                                    {"duplicate", &faults.duplicate},
-                                                    {"delay_ms", &delay_ms}};
   while (!text.empty()) {
     const std::string_view part = text.substr(0, text.find(','));
     const std::string_view name = part.substr(0, part.find('='));
-    const auto at = names.find(name);
-    if (at == names.end() || name.size() == part.size())
+    const auto at = std::find(names.begin(), names.end(), name);
+    const bool is_limit = name == "delay_ms";
+    if ((at == names.end() && !is_limit) || name.size() == part.size())
       throw InputError(fmt::format(
           "{}: '{}' is unknown; use data=, data_frag=, heartbeat=, acknack=, gap=, any=, duplicate=, delay= (percent) "
           "and delay_ms=, separated by commas",
           variable, part));
-    *at->second = number(name, part.substr(name.size() + 1), name == "delay_ms" ? max_delay_ms : 100);
+    const unsigned value = number(name, part.substr(name.size() + 1), is_limit ? max_delay_ms : 100);
+    if (is_limit)
+      delay_ms = value;
+    else
+      faults.percent.at(static_cast<std::size_t>(at - names.begin())) = value;
     text.remove_prefix(std::min(text.size(), part.size() + 1));
   }
   faults.delay_limit = std::chrono::milliseconds(std::max(1U, delay_ms));

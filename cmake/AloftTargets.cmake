@@ -1,10 +1,10 @@
 # One function per kind of target, so that every CMakeLists.txt below reads as a list of contents.
 
 # aloft_add_library(NAME SOURCES a.cpp ... [DEPS lib ...] [PRIVATE_DEPS lib ...] [TESTS a_test.cpp ...] [TEST_DEPS lib ...]
-#                   [TESTS_USE_THREADS])
+#                   [TESTS_USE_THREADS] [TESTS_NEED x ...])
 # makes the library aloft_NAME, and with TESTS the Catch2 program aloft_NAME_tests in the ctest tier "unit".
 function(aloft_add_library name)
-  cmake_parse_arguments(ARG "TESTS_USE_THREADS" "" "SOURCES;DEPS;PRIVATE_DEPS;TESTS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "TESTS_USE_THREADS" "" "SOURCES;DEPS;PRIVATE_DEPS;TESTS;TEST_DEPS;TESTS_NEED" ${ARGN})
   add_library(aloft_${name} STATIC ${ARG_SOURCES})
   target_link_libraries(aloft_${name} PUBLIC ${ARG_DEPS} PRIVATE aloft_options ${ARG_PRIVATE_DEPS})
   target_include_directories(aloft_${name} PUBLIC "${CMAKE_SOURCE_DIR}")
@@ -13,11 +13,32 @@ function(aloft_add_library name)
     if(ARG_TESTS_USE_THREADS)
       set(use_threads USE_THREADS)
     endif()
-    aloft_add_test(aloft_${name}_tests TIER unit ${use_threads} SOURCES ${ARG_TESTS} DEPS aloft_${name} ${ARG_TEST_DEPS})
+    aloft_add_test(aloft_${name}_tests TIER unit ${use_threads} SOURCES ${ARG_TESTS} DEPS aloft_${name} ${ARG_TEST_DEPS}
+      NEEDS ${ARG_TESTS_NEED})
   endif()
 endfunction()
 
-# aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s] [USE_THREADS])
+# aloft_add_test_entries(NAME PROGRAM LABELS x ... SERIAL ON|OFF TIMEOUT s ENVIRONMENT ...): the ctest entries of a test
+# program. Test cases that cannot run on every machine have the tag [needs-X], and for each X in the program's NEEDS an
+# entry of their own, NAME_needs_X, which says "skipped" where they cannot (tests/skip.hpp). Hidden test cases run only
+# when they are asked for by name.
+function(aloft_add_test_entries name program)
+  cmake_parse_arguments(ARG "" "SERIAL;TIMEOUT" "LABELS;ENVIRONMENT" ${ARGN})
+  get_target_property(needs ${program} ALOFT_NEEDS)
+  set(entries ${name})
+  set(what_runs_everywhere "")
+  foreach(need ${needs})
+    list(APPEND entries ${name}_needs_${need})
+    string(APPEND what_runs_everywhere "~[needs-${need}]")
+    add_test(NAME ${name}_needs_${need} COMMAND ${program} "[needs-${need}]~[.]" --warn NoTests WORKING_DIRECTORY "${CMAKE_SOURCE_DIR}")
+    set_tests_properties(${name}_needs_${need} PROPERTIES SKIP_RETURN_CODE 77)
+  endforeach()
+  add_test(NAME ${name} COMMAND ${program} ${what_runs_everywhere} WORKING_DIRECTORY "${CMAKE_SOURCE_DIR}")
+  set_tests_properties(${entries} PROPERTIES LABELS "${ARG_LABELS}" RUN_SERIAL ${ARG_SERIAL} TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "${ARG_ENVIRONMENT}")
+endfunction()
+
+# aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s] [USE_THREADS] [NEEDS x ...])
 # soak tests are built, but run only when their label is asked for by name. Sanitized builds leave out statistics tests
 # (the same code as the unit tests, a hundred times longer), and under ThreadSanitizer also unit tests of one thread. Its label
 # "threads" is on all tests of the bus and the services that run in one process, and on all others with USE_THREADS.
@@ -27,9 +48,10 @@ foreach(label unit integration statistics soak threads)
 endforeach()
 
 function(aloft_add_test name)
-  cmake_parse_arguments(ARG "USE_THREADS" "TIER;TIMEOUT" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "USE_THREADS" "TIER;TIMEOUT" "SOURCES;DEPS;NEEDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE aloft_options aloft_test_main ${ARG_DEPS})
+  set_target_properties(${name} PROPERTIES ALOFT_NEEDS "${ARG_NEEDS}")
   set(labels ${ARG_TIER})
   if(ARG_USE_THREADS OR "${CMAKE_CURRENT_SOURCE_DIR}/" MATCHES "^${CMAKE_SOURCE_DIR}/(common/bus|services)/")
     list(APPEND labels threads)
@@ -42,18 +64,18 @@ function(aloft_add_test name)
   foreach(label ${labels})
     add_dependencies(tests_${label} ${name})
   endforeach()
-  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY "${CMAKE_SOURCE_DIR}")
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
   if(ALOFT_SANITIZE)
     math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 5")
   endif()
+  set(serial OFF)
   if(NOT ARG_TIER STREQUAL "unit")
-    set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)  # each takes all cores
+    set(serial ON)  # each takes all cores
   endif()
-  set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
-    "ASAN_OPTIONS=new_delete_type_mismatch=0;TSAN_OPTIONS=ignore_noninstrumented_modules=1")
+  aloft_add_test_entries(${name} ${name} LABELS ${labels} SERIAL ${serial} TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
+    ASAN_OPTIONS=new_delete_type_mismatch=0 TSAN_OPTIONS=ignore_noninstrumented_modules=1)
 endfunction()
 
 # aloft_add_benchmark(NAME SOURCES ... [DEPS lib ...]); sanitized builds leave benchmarks out.

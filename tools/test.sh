@@ -32,6 +32,6 @@ tools/setup.sh "$preset" ${tier:+"tests_$tier"}
 [ "$preset" != release ] || tools/lint.sh --format-only
 folder=build; [ "$preset" = release ] || folder="build-$preset"
 if [ -n "$tier" ]; then
-  exec ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" --label-regex "^$tier\$"
+  exec tools/run_ctest.sh "$folder" --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" --label-regex "^$tier\$"
 fi
-exec ctest --preset "$preset" --no-tests=error --parallel "$(nproc)"
+exec tools/run_ctest.sh "$folder" --preset "$preset" --no-tests=error --parallel "$(nproc)"

@@ -7,6 +7,7 @@
 #include "common/learn/network.hpp"
 #include "common/learn/reference.hpp"
 #include "common/learn/test_networks.hpp"
+#include "tests/skip.hpp"
 
 using namespace aloft::learn;  // NOLINT(google-build-using-namespace): a test of this namespace
 
@@ -33,12 +34,6 @@ NetworkState random_state(const NetworkShape& shape) {
   return state;
 }
 
-std::vector<Path> fast_paths() {
-  std::vector<Path> paths = available_paths();
-  paths.erase(paths.begin());
-  return paths;
-}
-
 struct Difference {
   double largest = 0.0;
   double root_mean_square = 0.0;
@@ -55,47 +50,108 @@ Difference difference(const std::vector<float>& a, const std::vector<double>& b)
   return result;
 }
 
-}  // namespace
-
-TEST_CASE("every path follows the double-precision reference") {
+/// Compares training and prediction with the double-precision reference, for every shape and loss.
+void check_training(Path path) {
   for (const NetworkShape& shape : shapes()) {
     for (const Loss loss : {Loss::mse, Loss::cross_entropy}) {
       if (loss == Loss::cross_entropy && shape.layers.back().activation != Activation::softplus) continue;
+      INFO(shape.inputs() << " inputs, loss " << static_cast<int>(loss));
       const NetworkState initial = random_state(shape);
-      for (const Path path : available_paths()) {
-        INFO(path_name(path) << ", " << shape.inputs() << " inputs, loss " << static_cast<int>(loss));
-        const Minibatch batch = random_minibatch(shape, 16, loss, "reference");
-        ReferenceNetwork<double> reference(shape, {});
-        reference.load(std::vector<double>(initial.weights.begin(), initial.weights.end()), {}, {}, 0);
-        const auto network = make_network(shape, {}, path);
-        network->load(initial);
-        for (const std::size_t upto : {1U, 10U, 200U}) {
-          double expected_loss = 0.0;
-          const std::size_t epochs = upto - reference.steps();
-          while (reference.steps() < upto) expected_loss = reference.step(batch, loss);
-          const double loss_value = network->train(batch, loss, epochs);
-          CHECK(loss_value == Approx(expected_loss).epsilon(1e-3).margin(1e-6));
-          const Difference off = difference(network->state().weights, reference.weights());
-          // Weights move by 1e-3 per step. Adam divides by the size of a gradient, so single precision drifts apart
-          // where one is almost zero: after 200 steps single weights may be off but not the mass of them, and only
-          // networks of the published size have a mass.
-          if (upto <= 10) CHECK(off.largest < 1e-5);
-          if (upto <= 10 || shape == dqn_shape(38) || shape == dqn_shape(18)) CHECK(off.root_mean_square < 1e-5);
-        }
+      const Minibatch batch = random_minibatch(shape, 16, loss, "reference");
+      ReferenceNetwork<double> reference(shape, {});
+      reference.load(std::vector<double>(initial.weights.begin(), initial.weights.end()), {}, {}, 0);
+      const auto network = make_network(shape, {}, path);
+      network->load(initial);
+      for (const std::size_t upto : {1U, 10U, 200U}) {
+        double expected_loss = 0.0;
+        const std::size_t epochs = upto - reference.steps();
+        while (reference.steps() < upto) expected_loss = reference.step(batch, loss);
+        const double loss_value = network->train(batch, loss, epochs);
+        CHECK(loss_value == Approx(expected_loss).epsilon(1e-3).margin(1e-6));
+        const Difference off = difference(network->state().weights, reference.weights());
+        // Weights move by 1e-3 per step. Adam divides by the size of a gradient, so single precision drifts apart
+        // where one is almost zero: after 200 steps single weights may be off but not the mass of them, and only
+        // networks of the published size have a mass.
+        if (upto <= 10) CHECK(off.largest < 1e-5);
+        if (upto <= 10 || shape == dqn_shape(38) || shape == dqn_shape(18)) CHECK(off.root_mean_square < 1e-5);
       }
     }
   }
 }
 
-TEST_CASE("every fast path gives the same bits") {
-  const std::vector<Path> paths = fast_paths();
-  if (paths.size() < 2) WARN("this CPU has fewer than two fast paths: nothing to compare");
+/// Units that are dead for all samples learn nothing, whatever was trained before.
+void check_dead_units(Path path) {
+  const NetworkShape shape = dqn_shape(18);
+  const Minibatch batch = random_minibatch(shape, 16, Loss::mse, "dead");
+  NetworkState dead = random_state(shape);
+  const std::size_t first_layer = (18 + 1) * 19;  // linear; the units above it are all shut by their biases
+  for (std::size_t o = 0; o < 200; ++o) dead.weights[first_layer + o * 20 + 19] = -1e3F;
+  ReferenceNetwork<double> reference(shape, {});
+  reference.load(std::vector<double>(dead.weights.begin(), dead.weights.end()), {}, {}, 0);
+  for (int step = 0; step < 5; ++step) reference.step(batch, Loss::mse);
+  const auto network = make_network(shape, {}, path);
+  network->load(random_state(shape));
+  network->train(batch, Loss::mse, 3);
+  network->load(dead);
+  network->train(batch, Loss::mse, 5);
+  const NetworkState after = network->state();
+  CHECK(difference(after.weights, reference.weights()).largest < 1e-5);
+  const auto below = static_cast<std::ptrdiff_t>(first_layer + 200 * 20);
+  CHECK(std::equal(dead.weights.begin(), dead.weights.begin() + below, after.weights.begin()));
+  CHECK(dead.weights != after.weights);
+}
+
+/// Over its whole range.
+void check_softplus(Path path) {
+  const NetworkShape shape{{{1, 1, Activation::softplus}}};
+  const auto network = make_network(shape, {}, path);
+  network->load({{1.0F, 0.0F}, {}, {}, 0});
+  for (double x = -80.0; x < 80.0; x += 0.37) {
+    const auto input = static_cast<float>(x);
+    float output = 0.0F;
+    network->predict({&input, 1}, {&output, 1});
+    const auto exact = static_cast<double>(input);
+    const double expected = std::max(exact, 0.0) + std::log1p(std::exp(-std::fabs(exact)));
+    CHECK(static_cast<double>(output) == Approx(expected).epsilon(4e-7));
+  }
+}
+
+void check_path(Path path) {
+  check_training(path);
+  check_dead_units(path);
+  check_softplus(path);
+}
+
+/// Skips the test case if this CPU cannot run the path.
+bool available(Path path) {
+  const std::vector<Path> paths = available_paths();
+  if (std::find(paths.begin(), paths.end(), path) != paths.end()) return true;
+  aloft::test::skip("this CPU has no " + std::string(path_name(path)));
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("the portable path follows the double-precision reference") {
+  check_path(Path::portable);
+}
+
+TEST_CASE("the AVX2 path follows the double-precision reference", "[needs-avx2]") {
+  if (available(Path::avx2)) check_path(Path::avx2);
+}
+
+TEST_CASE("the AVX-512 path follows the double-precision reference", "[needs-avx512]") {
+  if (available(Path::avx512)) check_path(Path::avx512);
+}
+
+TEST_CASE("the AVX2 and the AVX-512 path give the same bits", "[needs-avx512]") {
+  if (!available(Path::avx512)) return;
   for (const NetworkShape& shape : shapes()) {
     for (const Loss loss : {Loss::mse, Loss::cross_entropy}) {
       if (loss == Loss::cross_entropy && shape.layers.back().activation != Activation::softplus) continue;
       std::vector<NetworkState> results;
       std::vector<double> losses;
-      for (const Path path : paths) {
+      for (const Path path : {Path::avx2, Path::avx512}) {
         const auto network = make_network(shape, {}, path);
         network->load(random_state(shape));
         for (const std::size_t size : {16U, 16U, 11U, 1U, 16U}) {
@@ -112,46 +168,6 @@ TEST_CASE("every fast path gives the same bits") {
         CHECK(result.steps == 500);
       }
       for (std::size_t i = 0; i < losses.size(); ++i) CHECK(losses[i] == losses[i % 5]);
-    }
-  }
-}
-
-TEST_CASE("units that are dead for all samples learn nothing, whatever was trained before") {
-  const NetworkShape shape = dqn_shape(18);
-  const Minibatch batch = random_minibatch(shape, 16, Loss::mse, "dead");
-  NetworkState dead = random_state(shape);
-  const std::size_t first_layer = (18 + 1) * 19;  // linear; the units above it are all shut by their biases
-  for (std::size_t o = 0; o < 200; ++o) dead.weights[first_layer + o * 20 + 19] = -1e3F;
-  ReferenceNetwork<double> reference(shape, {});
-  reference.load(std::vector<double>(dead.weights.begin(), dead.weights.end()), {}, {}, 0);
-  for (int step = 0; step < 5; ++step) reference.step(batch, Loss::mse);
-  for (const Path path : available_paths()) {
-    INFO(path_name(path));
-    const auto network = make_network(shape, {}, path);
-    network->load(random_state(shape));
-    network->train(batch, Loss::mse, 3);
-    network->load(dead);
-    network->train(batch, Loss::mse, 5);
-    const NetworkState after = network->state();
-    CHECK(difference(after.weights, reference.weights()).largest < 1e-5);
-    const auto below = static_cast<std::ptrdiff_t>(first_layer + 200 * 20);
-    CHECK(std::equal(dead.weights.begin(), dead.weights.begin() + below, after.weights.begin()));
-    CHECK(dead.weights != after.weights);
-  }
-}
-
-TEST_CASE("predictions of every path agree over the whole range of softplus") {
-  const NetworkShape shape{{{1, 1, Activation::softplus}}};
-  for (const Path path : fast_paths()) {
-    const auto network = make_network(shape, {}, path);
-    network->load({{1.0F, 0.0F}, {}, {}, 0});
-    for (double x = -80.0; x < 80.0; x += 0.37) {
-      const auto input = static_cast<float>(x);
-      float output = 0.0F;
-      network->predict({&input, 1}, {&output, 1});
-      const auto exact = static_cast<double>(input);
-      const double expected = std::max(exact, 0.0) + std::log1p(std::exp(-std::fabs(exact)));
-      CHECK(static_cast<double>(output) == Approx(expected).epsilon(4e-7));
     }
   }
 }

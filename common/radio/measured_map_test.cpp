@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <iostream>
 
 #include "common/world/measured_flight.hpp"
-#include "tests/paths.hpp"
+#include "tests/published_data.hpp"
 
 using namespace aloft;
 
@@ -27,12 +25,9 @@ TEST_CASE("a measured map reads step j at row j, and the start at the first") {
   CHECK(map->column(map->result_point(2), {})[1].qos == 400.0);
 }
 
-TEST_CASE("the Grand Canal Quay flight has its known means") {
-  const std::filesystem::path file = aloft::test::source_dir() / "../shared/data/gcq.csv";
-  if (!std::filesystem::exists(file)) {
-    std::cerr << "SKIPPED: the Grand Canal Quay flight is not tested, there is no " << file << "\n";
-    return;
-  }
+TEST_CASE("the Grand Canal Quay flight has its known means", "[needs-gcq]") {
+  const auto file = test::published_file("gcq.csv");
+  if (file.empty()) return;
   const auto map = radio::make_measured_map(world::read_measured_flight(file));
   REQUIRE(map->steps() == 170);
   REQUIRE(map->heights().size() == 11);

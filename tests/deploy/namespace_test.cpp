@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "tests/deploy/scene.hpp"
+#include "tests/skip.hpp"
 
 using namespace aloft::test;
 using namespace std::chrono_literals;
@@ -54,7 +55,7 @@ bool may_make_namespaces() {
   const std::string command =
       std::string(ip_program) + " netns add " + probe + " && " + ip_program + " netns delete " + probe;
   if (std::system(command.c_str()) == 0) return true;
-  WARN("SKIPPED: this user may not make network namespaces here");
+  skip("this user may not make network namespaces here: run as root");
   return false;
 }
 
@@ -98,15 +99,15 @@ const std::vector<std::string> server_b{"--interface", "cable", "--discovery-ser
 
 }  // namespace
 
-TEST_CASE("a discovery server joins two hosts, and a second of partition changes nothing") {
+TEST_CASE("a discovery server joins two hosts, and a second of partition changes nothing", "[needs-namespaces]") {
   if (may_make_namespaces()) fly_through_partition(1s, 60, server_a, server_b);
 }
 
-TEST_CASE("multicast joins two hosts on one network") {
+TEST_CASE("multicast joins two hosts on one network", "[needs-namespaces]") {
   if (may_make_namespaces()) fly_through_partition(0s, 60, {"--interface", "cable"}, {"--interface", "cable"});
 }
 
-TEST_CASE("a partition of 5 s and of 30 s is named on both sides, and heals", "[.][soak]") {
+TEST_CASE("a partition of 5 s and of 30 s is named on both sides, and heals", "[.][soak][needs-namespaces]") {
   if (!may_make_namespaces()) return;
   fly_through_partition(5s, 150, server_a, server_b);
   fly_through_partition(30s, 500, server_a, server_b);

@@ -5,11 +5,15 @@
 set -euo pipefail
 source_folder=$1
 export ALOFT=$2
+skip() {
+  echo "SKIPPED: a sweep through Slurm: $1"
+  exit 77
+}
 for program in slurmctld slurmd sbatch munged; do
   command -v "$program" > /dev/null || PATH=$PATH:/usr/sbin
-  command -v "$program" > /dev/null || { echo "SKIPPED: there is no $program"; exit 0; }
+  command -v "$program" > /dev/null || skip "there is no $program"
 done
-[ "$(id -u)" -eq 0 ] && unshare --net --pid --fork --mount-proc true 2> /dev/null || { echo "SKIPPED: a Slurm cluster of its own needs root and namespaces"; exit 0; }
+[ "$(id -u)" -eq 0 ] && unshare --net --pid --fork --mount-proc true 2> /dev/null || skip "a cluster of its own needs root and namespaces"
 # Both daemons listen on all interfaces: in a network namespace there is only its own loopback.
 if [ -z "${ALOFT_SLURM_NAMESPACE:-}" ]; then
   ALOFT_SLURM_NAMESPACE=1 exec unshare --net --pid --fork --kill-child --mount-proc "$0" "$@"

@@ -11,6 +11,7 @@
 
 #include "tests/deploy/scene.hpp"
 #include "tests/paths.hpp"
+#include "tests/skip.hpp"
 
 using namespace aloft::test;
 using namespace std::chrono_literals;
@@ -85,11 +86,9 @@ TEST_CASE("coordinator, metrics and worker keep the service manager informed; a 
   }
 }
 
-TEST_CASE("systemd accepts the units") {
-  if (!std::filesystem::exists("/usr/bin/systemd-analyze")) {
-    WARN("SKIPPED: there is no systemd-analyze");
-    return;
-  }
+TEST_CASE("systemd accepts the units", "[needs-systemd]") {
+  if (!std::filesystem::exists("/usr/bin/systemd-analyze"))
+    return skip("there is no systemd-analyze; install the package systemd");
   const ScratchDir scratch;
   std::vector<std::string> command{"/usr/bin/systemd-analyze", "verify", "--man=no"};
   for (const auto& unit : std::filesystem::directory_iterator(source_dir() / "deploy/systemd")) {

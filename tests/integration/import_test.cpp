@@ -1,13 +1,13 @@
 // aloft import-rdata, as a user sees it: a measured world out of an R workspace, or a refusal and nothing written.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <iostream>
 
 #include "tests/integration/command.hpp"
-#include "tests/paths.hpp"
+#include "tests/published_data.hpp"
 #include "tools/importer/test_workspace.hpp"
 
 using aloft::test::Finished;
+using aloft::test::published_file;
 using aloft::test::read_text;
 using aloft::test::run_command;
 using aloft::test::ScratchDir;
@@ -91,18 +91,16 @@ TEST_CASE("what cannot be imported is refused with what to do, and nothing is wr
   CHECK_THAT(refused(whole, {"--height-step", "0"}), Contains("--height-step"));
 }
 
-TEST_CASE("the authors' Grand Canal Quay workspace gives the measurement grid byte for byte, from the command line") {
-  const std::filesystem::path data = aloft::test::source_dir() / "../shared/data";
-  if (!std::filesystem::exists(data / "Real_canal_tudo1.Rdata") || !std::filesystem::exists(data / "gcq.csv")) {
-    std::cerr << "*** SKIPPED: no " << (data / "Real_canal_tudo1.Rdata")
-              << "; the import of the real flight is not checked\n";
-    return;
-  }
+TEST_CASE("the authors' Grand Canal Quay workspace gives the measurement grid byte for byte, from the command line",
+          "[needs-gcq]") {
+  const auto workspace = published_file("Real_canal_tudo1.Rdata");
+  const auto grid = published_file("gcq.csv");
+  if (workspace.empty() || grid.empty()) return;
   const ScratchDir scratch;
-  const Finished finished = run_command(
-      {"aloft", "import-rdata", (data / "Real_canal_tudo1.Rdata").string(), "--out", (scratch / "gcq.csv").string()});
+  const Finished finished =
+      run_command({"aloft", "import-rdata", workspace.string(), "--out", (scratch / "gcq.csv").string()});
   INFO(finished.err);
   REQUIRE(finished.exit_code == 0);
   CHECK_THAT(finished.out, Contains("170 steps x 11 heights, 20 to 120 m") && Contains("1803 of 1870"));
-  CHECK((read_text(scratch / "gcq.csv") == read_text(data / "gcq.csv")));
+  CHECK((read_text(scratch / "gcq.csv") == read_text(grid)));
 }

@@ -21,7 +21,7 @@ class Scripts {
   explicit Scripts(const std::string& failing = "no call") {
     for (const char* folder : {"tools", ".ci", "bin", "build", "build-asan", "build-tsan"})
       fs::create_directories(root_ / folder);
-    for (const char* script : {".ci/run", "tools/setup.sh", "tools/test.sh"})
+    for (const char* script : {".ci/run", "tools/run_ctest.sh", "tools/setup.sh", "tools/test.sh"})
       fs::copy_file(source_dir() / script, root_ / script);
     write_text(root_ / "tools/packages.txt", "# none\n");
     for (const char* folder : {"build", "build-asan", "build-tsan"}) write_text(root_ / folder / "build.ninja", "");

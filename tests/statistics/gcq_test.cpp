@@ -1,26 +1,14 @@
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/flight/flight.hpp"
 #include "common/radio/measured_map.hpp"
 #include "common/world/measured_flight.hpp"
-#include "tests/paths.hpp"
+#include "tests/published_data.hpp"
 
 using namespace aloft;
 
 namespace {
-
-const std::filesystem::path gcq_csv = aloft::test::source_dir() / "../shared/data/gcq.csv";
-
-/// The file is not ours to ship.
-bool gcq_is_missing() {
-  if (std::filesystem::exists(gcq_csv)) return false;
-  std::cerr << "*** SKIPPED: no " << gcq_csv
-            << "; the numbers of the real flight over Grand Canal Quay are not checked\n";
-  return true;
-}
 
 double mean_mbps(radio::SignalMap& map, const nlohmann::json& agent, std::uint32_t trial = 0) {
   const agents::AgentSpec spec = agents::parse_agents(agent, "agents[0]").front();
@@ -29,8 +17,9 @@ double mean_mbps(radio::SignalMap& map, const nlohmann::json& agent, std::uint32
 
 }  // namespace
 
-TEST_CASE("agents on the real flight over Grand Canal Quay") {
-  if (gcq_is_missing()) return;
+TEST_CASE("agents on the real flight over Grand Canal Quay", "[needs-gcq]") {
+  const auto gcq_csv = aloft::test::published_file("gcq.csv");
+  if (gcq_csv.empty()) return;
   const auto map = radio::make_measured_map(world::read_measured_flight(gcq_csv));
   // Computed elsewhere, in Mbit/s.
   CHECK(mean_mbps(*map, "min-height") == Approx(68.18).margin(0.01));

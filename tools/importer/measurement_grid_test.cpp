@@ -4,11 +4,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <sstream>
 
 #include "common/base/error.hpp"
-#include "tests/paths.hpp"
+#include "tests/published_data.hpp"
 #include "tools/importer/test_workspace.hpp"
 
 using aloft::InputError;
@@ -127,20 +126,16 @@ TEST_CASE("a recorded value above the step's known maximum is kept and counted")
   CHECK(grid.throughput_kbps[3] == 22.0);
 }
 
-TEST_CASE("the authors' Grand Canal Quay workspace gives the measurement grid byte for byte") {
-  const std::filesystem::path data = aloft::test::source_dir() / "../shared/data";
-  if (!std::filesystem::exists(data / "Real_canal_tudo1.Rdata") || !std::filesystem::exists(data / "gcq.csv")) {
-    std::cerr << "SKIPPED: rebuilding the Grand Canal Quay grid: there is no " << data.lexically_normal().string()
-              << " with Real_canal_tudo1.Rdata and gcq.csv\n";
-    return;
-  }
-  const MeasurementGrid grid =
-      rebuild_grid(aloft::importer::read_r_workspace(data / "Real_canal_tudo1.Rdata"), {}, "Real_canal_tudo1.Rdata");
+TEST_CASE("the authors' Grand Canal Quay workspace gives the measurement grid byte for byte", "[needs-gcq]") {
+  const auto workspace = aloft::test::published_file("Real_canal_tudo1.Rdata");
+  const auto csv = aloft::test::published_file("gcq.csv");
+  if (workspace.empty() || csv.empty()) return;
+  const MeasurementGrid grid = rebuild_grid(aloft::importer::read_r_workspace(workspace), {}, "Real_canal_tudo1.Rdata");
   CHECK(grid.steps == 170);
   CHECK(grid.heights == 11);
   CHECK(std::count(grid.observed.begin(), grid.observed.end(), true) == 1803);
   CHECK(grid.above_known_maximum == 0);
   std::ostringstream expected;
-  expected << std::ifstream(data / "gcq.csv").rdbuf();
+  expected << std::ifstream(csv).rdbuf();
   CHECK((to_csv(grid) == expected.str()));
 }

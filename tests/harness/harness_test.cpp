@@ -1,0 +1,33 @@
+// A test that cannot run is not called passed, and one that fails is not called skipped.
+#include <catch2/catch.hpp>
+
+#include "tests/integration/command.hpp"
+#include "tests/paths.hpp"
+
+using namespace aloft::test;
+using Catch::Matchers::Contains;
+
+TEST_CASE("a test program's exit code: 0 passed, 77 something was skipped, 1 something failed") {
+  const auto exit_code = [](const std::string& tests) {
+    return run_command({"aloft_harness_sample", tests, "--warn", "NoTests"}).exit_code;
+  };
+  CHECK(exit_code("[passes]") == 0);
+  CHECK(exit_code("[skips]") == 77);
+  CHECK(exit_code("[skips],[passes]") == 77);
+  CHECK(exit_code("[fails]") == 1);
+  CHECK(exit_code("[skips],[fails]") == 1);
+  CHECK(exit_code("[no-such-tag]") == 1);
+  CHECK_THAT(run_command({"aloft_harness_sample", "[skips]"}).out,
+             Contains("SKIPPED: cannot run here: there is no second moon"));
+}
+
+TEST_CASE("ctest calls what was skipped skipped, and tools/test.sh says why") {
+  const ScratchDir scratch;
+  write_text(scratch / "CTestTestfile.cmake", "add_test(sample \"" + (bin_dir() / "aloft_harness_sample").string() +
+                                                  "\" [skips])\nset_tests_properties(sample PROPERTIES "
+                                                  "SKIP_RETURN_CODE 77)\n");
+  const std::string folder = scratch.path().string();
+  const Finished finished = run_command({(source_dir() / "tools/run_ctest.sh").string(), folder, "--test-dir", folder});
+  CHECK(finished.exit_code == 0);
+  CHECK_THAT(finished.out, Contains("Skipped") && Contains("SKIPPED: cannot run here: there is no second moon"));
+}

@@ -27,6 +27,20 @@ test('charts as SVG files, the same bytes each time', () => {
   }
 });
 
+test('box plots of privileged agents are hollow, and their labels carry the mark of the tier', () => {
+  const folder = join(scratch, 'svg-marks');
+  succeed('report', generated, '--svg', folder);
+  const plots = readdirSync(folder).filter((file) => file.endsWith('-qos.svg'));
+  assert.equal(plots.length, 3);
+  for (const file of plots) {
+    const text = readFileSync(join(folder, file), 'utf8');
+    for (const label of ['one-step-ahead *', 'optimal-height *', 'planner **', 'dqn']) assert.ok(text.includes(`>${label}<`), `${file}: ${label}`);
+    const boxes = /role-mark layer_1_marks.*?<\/g>/s.exec(text)[0];
+    const fills = [...boxes.matchAll(/fill="([^"]*)"/g)].map(([, fill]) => fill).filter((fill) => fill !== 'none');
+    assert.equal(fills.filter((fill) => fill === '#ffffff').length, 3, `${file}: ${fills}`);
+  }
+});
+
 test('wrong requests end with exit code 2 and say what to do', () => {
   const cases = [
     [['report', join(scratch, 'nowhere')], /no such folder/],

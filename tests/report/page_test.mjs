@@ -42,12 +42,13 @@ const countMarks = `Object.fromEntries([...document.querySelectorAll('[data-char
 /** How many marks a chart must have at least, from the data it shows. */
 function leastMarks(name, data, condition, view) {
   const count = condition.views[view]?.agents.length;
+  const known = (interval) => condition.views[view].agents.filter((agent) => agent.name !== 'min-height' && interval(agent)).length;
   const flight = condition.flight;
   if (name.endsWith('-mean-height')) return data.agents.length;
   if (name.endsWith('-qos')) return 4 * count;
-  if (name.endsWith('-gain')) return 2 * (count - 1);
+  if (name.endsWith('-gain')) return count - 1 + known((agent) => agent.gain.ci95);
   if (name.endsWith('-profile')) return count;
-  if (name.endsWith('-energy')) return 3 * count;
+  if (name.endsWith('-energy')) return 2 * count + known((agent) => agent.ci95);
   if (name.endsWith('-gains')) return 2 * (data.agents.length - 1);
   if (name.endsWith('-over-steps')) return flight.agents.length;
   if (name.endsWith('-heat-map')) return flight.step.length * flight.map.height_m.length;
@@ -132,6 +133,31 @@ describe('the report in a browser', () => {
     assert.ok(!names.some((name) => name.endsWith('-city')));
     assert.match(await browser.evaluate('document.body.textContent'), /Throughput \(Mbit\/s\)/);
     await picture(browser, 'measured-light');
+  });
+
+  test('privileged agents are hollow and marked in every chart that has them', async () => {
+    await browser.open(`file://${join(generated, 'report.html')}`);
+    const fills = await browser.evaluate(`Object.fromEntries([...document.querySelectorAll('[data-chart$=-qos], [data-chart$=-gain], [data-chart$=-energy]')].map((chart) =>
+      [chart.dataset.chart, [...chart.querySelectorAll('g.role-mark path')].filter((shape) => shape.getAttribute('fill') === '#ffffff' && shape.getAttribute('stroke') !== '#1b2330').length]))`);
+    for (const [name, hollow] of Object.entries(fills)) assert.ok(hollow >= 3, `${name}: ${hollow} hollow shapes for three privileged agents`);
+    const unmarked = await browser.evaluate(`[...document.querySelectorAll('[data-chart]')].filter((chart) => [...chart.querySelectorAll('text')].some((text) => ['planner', 'one-step-ahead', 'optimal-height'].includes(text.textContent))).map((chart) => chart.dataset.chart)`);
+    assert.deepEqual(unmarked, []);
+    assert.match(await browser.evaluate('document.getElementById("results").textContent'), /planner \*\*.*/);
+    assert.match(await browser.evaluate('document.getElementById("results").textContent'), /\* sees the next step at every height, \*\* sees the whole route at every height/);
+  });
+
+  test('one trial: no interval, no box, nothing that is not a number', async () => {
+    const single = join(scratch, 'single', 'run');
+    succeed('run', 'data/experiments/bs-density.json', '--out', single, '--in-process', '--trials', '1', '--agents', 'min-height,random-walk,planner');
+    succeed('report', single);
+    await browser.open(`file://${join(single, 'report.html')}`);
+    assert.equal(await browser.evaluate('document.body.dataset.error ?? ""'), '');
+    assert.deepEqual(browser.complaints, []);
+    const tables = await browser.evaluate('[...document.querySelectorAll("#results table")].map((table) => table.textContent).join(" ")');
+    assert.match(tables, /planner \*\*/);
+    assert.doesNotMatch(tables, /…|NaN|null|±/);
+    const bars = await browser.evaluate(`[...document.querySelectorAll('[data-chart$=-qos] g.mark-rect path, [data-chart$=-qos] g.mark-rule line, [data-chart$=-energy] g.mark-rule line')].length`);
+    assert.equal(bars, 0);
   });
 
   test('several runs in one page', async () => {

@@ -151,7 +151,8 @@ export function meanHeightChart(data, experiment, context) {
     layer: [
       {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {x, y: y('height'), ...encoding}},
       {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}},
-      {mark: {type: 'point', size: 50, strokeWidth: 2}, encoding: {x, y: y('height'), color: encoding.color, fill: hollowFill(encoding.color, surfaces[context.theme]), opacity: encoding.opacity, tooltip}},
+      {transform: [{filter: '!datum.privileged'}], mark: {type: 'point', filled: true, size: 55}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}},
+      {transform: [{filter: 'datum.privileged'}], mark: {type: 'point', filled: false, fill: surfaces[context.theme].background, size: 50, strokeWidth: 2}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}},
     ],
   };
 }

@@ -52,7 +52,7 @@ export function summaryTable(data, condition, context) {
     {title: `Mean (${condition.qos_unit})`, number: true, text: (agent) => number(agent.mean)},
     {title: '95 % interval', number: true, text: (agent) => interval(agent.ci95)},
     {title: 'Median', number: true, text: (agent) => number(agent.median)},
-    {title: 'Interquartile mean', number: true, text: (agent) => `${number(agent.iqm)} (${interval(agent.iqm_ci95)})`},
+    {title: 'Interquartile mean', number: true, text: (agent) => number(agent.iqm) + (agent.iqm_ci95 ? ` (${interval(agent.iqm_ci95)})` : '')},
     {title: 'Mean height (m)', number: true, text: height},
     {title: 'Height changes', number: true, text: (agent) => number(agent.height_changes_mean, 1)},
     {title: 'Handovers', number: true, text: (agent) => (agent.handovers_mean === null ? 'unknown' : number(agent.handovers_mean, 1))},

@@ -58,6 +58,7 @@ class Driver {
     wire::RunControl control;
     control.experiment_id(wire::experiment_id(experiment_.id));
     control.state(wire::RUN_RUNNING);
+    control.collector().incarnation(collector);
     control.experiment_json(wire::bytes(experiment_.canonical.dump()));
     controls_.write(control);
     for (const char* program : {"aloft-environment", "aloft-channel", "aloft-baseline-agent"})
@@ -86,7 +87,8 @@ class Driver {
     stored.condition(record.condition());
     stored.trial(record.trial());
     stored.agent(record.agent());
-    stored.digest(std::string(64, '0'));
+    stored.digest(wire::name(sha256_hex(wire::view(record.trace()))));
+    stored.collector(collector);
     stored_.write(stored);
   }
 

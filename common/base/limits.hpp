@@ -23,6 +23,7 @@ inline constexpr std::size_t leases = 64;               ///< of a worker
 inline constexpr std::size_t failures_told = 64;        ///< by a worker
 inline constexpr std::size_t agents_told = 64;          ///< by a worker
 inline constexpr std::size_t workers = 1024;            ///< of a run
+inline constexpr std::size_t refused_collectors = 16;   ///< that the coordinator names
 inline constexpr std::size_t streams = agents * lanes;  ///< of a worker: flights at a time
 
 inline constexpr std::uint32_t steps = 16'384;          ///< of a flight

@@ -183,6 +183,19 @@ world::MeasuredFlight measured_flight(const wire::World& message) {
   return flight;
 }
 
+wire::ProcessName to_wire(const ProcessName& process) {
+  wire::ProcessName message;
+  message.incarnation(process.incarnation);
+  message.host(wire::name(process.host));
+  message.pid(process.pid);
+  message.since_s(process.since_s);
+  return message;
+}
+
+ProcessName from_wire(const wire::ProcessName& process) {
+  return {process.incarnation(), std::string(wire::view(process.host())), process.pid(), process.since_s()};
+}
+
 wire::Privilege to_wire(agents::Privilege privilege) {
   switch (privilege) {
     case agents::Privilege::none:

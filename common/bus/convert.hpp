@@ -2,6 +2,7 @@
 
 #include "common/agents/agent.hpp"
 #include "common/agents/registry.hpp"
+#include "common/base/process_name.hpp"
 #include "common/bus/wire.hpp"
 #include "common/world/world.hpp"
 
@@ -23,6 +24,8 @@ void put(wire::World& message, const world::MeasuredFlight& flight);
 [[nodiscard]] world::City city(const wire::World& message);
 [[nodiscard]] world::MeasuredFlight measured_flight(const wire::World& message);
 
+[[nodiscard]] wire::ProcessName to_wire(const ProcessName& process);
+[[nodiscard]] ProcessName from_wire(const wire::ProcessName& process);
 [[nodiscard]] wire::Privilege to_wire(agents::Privilege privilege);
 [[nodiscard]] agents::Privilege from_wire(wire::Privilege privilege);
 

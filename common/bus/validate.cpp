@@ -5,6 +5,7 @@
 #include <span>
 
 #include "common/base/limits.hpp"
+#include "common/base/process_name.hpp"
 #include "common/bus/topics.hpp"
 
 namespace aloft::bus {
@@ -33,6 +34,10 @@ bool all(std::span<const double> values, bool (*good)(double) noexcept) noexcept
 template <class Enum>
 bool up_to(Enum value, Enum last) noexcept {
   return static_cast<std::uint32_t>(value) <= static_cast<std::uint32_t>(last);
+}
+
+bool dated(const wire::ProcessName& process) noexcept {
+  return process.since_s() <= latest_since_s;
 }
 
 const char* city_error(const wire::City& city) noexcept {
@@ -90,6 +95,9 @@ const char* limits_error(const wire::ChannelReport& report) noexcept {
 
 const char* validate(const wire::RunControl& sample) noexcept {
   if (!up_to(sample.state(), wire::RUN_FAILED)) return "unknown state";
+  if (!dated(sample.coordinator())) return "coordinator.since_s out of range";
+  if (!dated(sample.collector())) return "collector.since_s out of range";
+  if (sample.refused().size() > limits::refused_collectors) return "refused too long";
   if (sample.experiment_json().size() > limits::experiment_bytes) return "experiment_json too long";
   return nullptr;
 }
@@ -154,6 +162,8 @@ const char* validate(const wire::EpisodeStored& sample) noexcept {
 }
 
 const char* validate(const wire::CollectorStatus& sample) noexcept {
+  if (sample.collector().incarnation() == 0) return "collector is nobody";
+  if (!dated(sample.collector())) return "collector.since_s out of range";
   return up_to(sample.state(), wire::COLLECTOR_FAILED) ? nullptr : "unknown state";
 }
 

@@ -55,6 +55,9 @@ struct Limits<wire::RunControl> {
   }
   static Spoilers<wire::RunControl> spoilers() {
     return {{"state", [](auto& s) { s.state(static_cast<wire::RunState>(4)); }},
+            {"coordinator", [](auto& s) { s.coordinator().since_s(253402300800); }},
+            {"collector", [](auto& s) { s.collector().since_s(~std::uint64_t{0}); }},
+            {"refused", [](auto& s) { s.refused().resize(limits::refused_collectors + 1); }},
             {"experiment_json", [](auto& s) { s.experiment_json().resize(limits::experiment_bytes + 1); }}};
   }
 };
@@ -199,10 +202,13 @@ template <>
 struct Limits<wire::CollectorStatus> {
   static wire::CollectorStatus good() {
     wire::CollectorStatus sample;
+    sample.collector().incarnation(1);
     return sample;
   }
   static Spoilers<wire::CollectorStatus> spoilers() {
-    return {{"state", [](auto& s) { s.state(static_cast<wire::CollectorState>(3)); }}};
+    return {{"collector", [](auto& s) { s.collector().incarnation(0); }},
+            {"since_s", [](auto& s) { s.collector().since_s(253402300800); }},
+            {"state", [](auto& s) { s.state(static_cast<wire::CollectorState>(3)); }}};
   }
 };
 
@@ -379,6 +385,7 @@ std::size_t bound_of(const std::string& type, const std::string& name) {
   static const std::map<std::string, std::size_t> sequences{{"agents", limits::agents},
                                                             {"flies_only", limits::agents},
                                                             {"leases", limits::leases},
+                                                            {"refused", limits::refused_collectors},
                                                             {"failures", limits::failures_told},
                                                             {"experiment_json", limits::experiment_bytes},
                                                             {"trace", limits::trace_bytes},
@@ -393,7 +400,8 @@ std::size_t bound_of(const std::string& type, const std::string& name) {
                                                             {"qos", limits::heights}};
   if (type == "sequence") return sequences.at(name);
   if (name == "experiment_id") return 16;
-  const bool for_people = name == "message" || name == "reason" || name == "error" || name == "missing";
+  const bool for_people =
+      name == "message" || name == "reason" || name == "error" || name == "missing" || name == "results";
   return for_people ? limits::message_bytes : limits::name_bytes;
 }
 

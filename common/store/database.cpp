@@ -51,7 +51,7 @@ CREATE TABLE trace (  -- The steps of every flight.
 )";
 
 // Not part of any result.
-constexpr std::string_view memory_schema = R"(
+constexpr std::string_view later_schema = R"(
 CREATE TABLE IF NOT EXISTS memory (  -- What agents that remember earlier flights ended the latest flight of each lineage with.
   condition INTEGER NOT NULL,  -- From 0, in the order of the sweep.
   agent TEXT NOT NULL,  -- Its name in the experiment.
@@ -60,6 +60,13 @@ CREATE TABLE IF NOT EXISTS memory (  -- What agents that remember earlier flight
   digest TEXT NOT NULL,  -- SHA-256 of condition, trial, agent and bytes.
   bytes BLOB NOT NULL,  -- State of the agent, Protobuf.
   PRIMARY KEY (condition, agent, lineage)
+) STRICT;
+CREATE TABLE IF NOT EXISTS writer (  -- Which process writes into the database: one row, by which the coordinator knows its collector.
+  one INTEGER PRIMARY KEY CHECK (one = 1),  -- Always 1.
+  incarnation INTEGER NOT NULL,  -- Random, of this start of the process alone.
+  host TEXT NOT NULL,  -- Name of its machine.
+  pid INTEGER NOT NULL,  -- Number of the process.
+  since_s INTEGER NOT NULL  -- Unix time of its start.
 ) STRICT;
 )";
 
@@ -116,7 +123,7 @@ std::unique_ptr<SQLite::Database> open_for_writing(const std::filesystem::path& 
   check_identity(*database, file);
   check_structure(*database, file);
   set_up_writing(*database);
-  database->exec(std::string(memory_schema));  // older databases have none
+  database->exec(std::string(later_schema));  // older databases have neither
   return database;
 }
 
@@ -138,7 +145,7 @@ std::unique_ptr<SQLite::Database> open_for_reading(const std::filesystem::path& 
 }  // namespace
 
 std::string database_schema() {
-  return std::string(schema) + std::string(memory_schema);
+  return std::string(schema) + std::string(later_schema);
 }
 
 int database_version() noexcept {

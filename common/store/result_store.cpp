@@ -1,6 +1,7 @@
 #include "common/store/result_store.hpp"
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include <algorithm>
 #include <bit>
@@ -62,7 +63,8 @@ std::string memory_digest(const FlightKey& key, std::string_view memory) {
 void check_is_empty(const std::filesystem::path& dir) {
   for (const auto& entry : std::filesystem::directory_iterator(dir)) {
     const std::string name = entry.path().filename().string();
-    if (name == log_folder || name == "lost+found" || name.starts_with(database_name)) continue;
+    if (name == log_folder || name == "lost+found" || name == coordinator_lock_name || name.starts_with(database_name))
+      continue;
     throw InputError(fmt::format("'{}' holds other files ('{}'), but no results; use an empty or new folder for --out",
                                  dir.string(), name));
   }
@@ -108,8 +110,12 @@ struct ResultStore::State {
   std::unique_ptr<SQLite::Statement> insert_trace;
   std::unique_ptr<SQLite::Statement> keep_memory;
 
-  void prepare() {
+  void prepare_reading() {
     find_digest = std::make_unique<SQLite::Statement>(*database, "SELECT digest FROM flight WHERE id = ?");
+  }
+
+  void prepare_writing() {
+    prepare_reading();
     insert_flight =
         std::make_unique<SQLite::Statement>(*database, "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     insert_trace = std::make_unique<SQLite::Statement>(*database, "INSERT INTO trace VALUES (?, ?)");
@@ -261,15 +267,19 @@ ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, cons
                       "one away",
                       dir.string(), experiment::describe_differences(there, experiment.canonical)));
     }
-    state->prepare();
+    state->prepare_writing();
   });
   if (!std::filesystem::exists(dir / "experiment.json"))
     experiment::write_text_file(dir / "experiment.json", resolved_file(experiment));
   return ResultStore(std::move(state));
 }
 
+bool ResultStore::exists(const std::filesystem::path& dir) {
+  return std::filesystem::is_regular_file(dir / database_name);
+}
+
 ResultStore ResultStore::open_for_reading(const std::filesystem::path& dir) {
-  if (!std::filesystem::is_regular_file(dir / database_name))
+  if (!exists(dir))
     throw InputError(fmt::format("'{}' is no result folder: it has no {}; give the folder that was --out of a run",
                                  dir.string(), database_name));
   auto state = std::make_unique<State>(dir, Access::read);
@@ -301,6 +311,52 @@ void ResultStore::batch(const std::function<void()>& work) {
     state_->batch_open = true;
     work();
     transaction.commit();
+  });
+}
+
+void ResultStore::sign(const ProcessName& writer) {
+  with_errors_of(state_->file, [&] {
+    SQLite::Statement row(*state_->database, "INSERT OR REPLACE INTO writer VALUES (1, ?, ?, ?, ?)");
+    row.bind(1, std::bit_cast<std::int64_t>(writer.incarnation));
+    row.bind(2, writer.host);
+    row.bind(3, writer.pid);
+    row.bind(4, static_cast<std::int64_t>(writer.since_s));
+    row.exec();
+  });
+}
+
+std::optional<ProcessName> ResultStore::writer() const {
+  return with_errors_of(state_->file, [&]() -> std::optional<ProcessName> {
+    if (!state_->database->tableExists("writer")) return std::nullopt;  // an older version wrote it
+    SQLite::Statement row(*state_->database, "SELECT incarnation, host, pid, since_s FROM writer");
+    if (!row.executeStep()) return std::nullopt;
+    return ProcessName{std::bit_cast<std::uint64_t>(row.getColumn(0).getInt64()), row.getColumn(1).getString(),
+                       row.getColumn(2).getUInt(), static_cast<std::uint64_t>(row.getColumn(3).getInt64())};
+  });
+}
+
+bool ResultStore::holds(const FlightKey& key) const {
+  const std::int64_t id = row_id(state_->experiment, key);
+  return with_errors_of(state_->file, [&] {
+    if (!state_->find_digest) state_->prepare_reading();
+    SQLite::Statement& row = *state_->find_digest;
+    row.reset();
+    row.bind(1, id);
+    const bool found = row.executeStep();
+    row.reset();
+    return found;
+  });
+}
+
+bool ResultStore::in_place() const {
+  int moved = 0;
+  const int result = sqlite3_file_control(state_->database->getHandle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  return result != SQLITE_OK || moved == 0;
+}
+
+std::uint64_t ResultStore::count() const {
+  return with_errors_of(state_->file, [&] {
+    return static_cast<std::uint64_t>(state_->database->execAndGet("SELECT count(*) FROM flight").getInt64());
   });
 }
 
@@ -379,6 +435,41 @@ std::string ResultStore::digest() const {
     digest.add(fmt::format("{} {} {} {}\n", flight.key.condition, flight.key.trial, flight.key.agent, flight.digest));
   });
   return digest.hex();
+}
+
+std::string Shortfall::text(const Experiment& experiment) const {
+  std::string names;
+  for (const FlightKey& key : first)
+    names += fmt::format("{}agent {} in trial {} of condition {} ({})", names.empty() ? "" : ", ", key.agent, key.trial,
+                         key.condition, experiment.conditions.at(key.condition).name);
+  const std::uint64_t total =
+      std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size();
+  const std::string more = flights > first.size() ? fmt::format(" and {} more", flights - first.size()) : "";
+  return fmt::format("{} of {} flights are missing: {}{}", flights, total, names, more);
+}
+
+Shortfall shortfall(const ResultStore& results, std::size_t named) {
+  const Experiment& experiment = results.experiment();
+  const std::uint64_t agents = experiment.agents.size();
+  Shortfall missing;
+  std::uint64_t next = 0;  // in canonical order
+  const auto miss_until = [&](std::uint64_t number) {
+    missing.flights += number - next;
+    for (; next < number && missing.first.size() < named; ++next) {
+      const std::uint64_t trial = next / agents;
+      missing.first.push_back({static_cast<std::uint32_t>(trial / experiment.trials),
+                               static_cast<std::uint32_t>(trial % experiment.trials),
+                               experiment.agents[next % agents].name});
+    }
+    next = number;
+  };
+  results.for_each_flight([&](const FlightSummary& flight) {
+    const auto number = static_cast<std::uint64_t>(row_id(experiment, flight.key));
+    miss_until(number);
+    next = number + 1;
+  });
+  miss_until(std::uint64_t{experiment.trials} * experiment.conditions.size() * agents);
+  return missing;
 }
 
 nlohmann::ordered_json summarise(const ResultStore& results) {

@@ -9,8 +9,10 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "common/base/process_name.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/flight/flight.hpp"
 
@@ -38,6 +40,9 @@ class StoreFull : public std::runtime_error {
 /// Throws IntegrityError.
 [[nodiscard]] flight::FlightRecord decode_trace(std::string_view bytes);
 
+/// Who coordinates a run into a result folder has locked this file in there.
+inline constexpr std::string_view coordinator_lock_name = "coordinator.lock";
+
 enum class Stored : std::uint8_t { added, already_there };
 
 /// results.sqlite: every finished flight under (condition, trial, agent). One writer, any number of readers.
@@ -51,6 +56,8 @@ class ResultStore {
   /// Opens an existing result folder, read only; another process may be writing into it. InputError if there is none,
   /// IntegrityError as above.
   static ResultStore open_for_reading(const std::filesystem::path& dir);
+  /// Whether there is a database in this folder, good or not.
+  [[nodiscard]] static bool exists(const std::filesystem::path& dir);
 
   ResultStore(ResultStore&&) noexcept;
   ~ResultStore();
@@ -67,6 +74,18 @@ class ResultStore {
   /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested.
   void batch(const std::function<void()>& work);
 
+  /// Notes in the database which process writes into it now. A copy of the folder is signed by somebody else as soon as
+  /// somebody else writes into it. Throws StoreFull as add() does.
+  void sign(const ProcessName& writer);
+  /// Who signed last; none if nobody did.
+  [[nodiscard]] std::optional<ProcessName> writer() const;
+
+  /// Whether this flight is stored. std::logic_error if the experiment has no such flight.
+  [[nodiscard]] bool holds(const experiment::FlightKey& key) const;
+  /// False if the file is no longer where it was opened: what is written goes nowhere.
+  [[nodiscard]] bool in_place() const;
+  /// How many flights are stored.
+  [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] std::set<experiment::FlightKey> keys() const;
   /// One after the other in canonical order, without holding them all. Throws as flights().
   void for_each_flight(const std::function<void(const FlightSummary&)>& visit) const;
@@ -92,6 +111,16 @@ class ResultStore {
   explicit ResultStore(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// Flights that belong to an experiment, and are not among its results.
+struct Shortfall {
+  std::uint64_t flights = 0;
+  std::vector<experiment::FlightKey> first;  ///< in canonical order, at most as many as were asked for
+
+  /// "3 of 72 flights are missing: agent dqn in trial 4 of condition 1 (density=5), ... and 2 more"
+  [[nodiscard]] std::string text(const experiment::Experiment& experiment) const;
+};
+[[nodiscard]] Shortfall shortfall(const ResultStore& results, std::size_t named = 10);
 
 /// The summary (experiment/summary.hpp) of all stored flights.
 [[nodiscard]] nlohmann::ordered_json summarise(const ResultStore& results);

@@ -487,3 +487,66 @@ TEST_CASE("a database without a place for memory gets one when it is written aga
   CHECK(results.add({0, 0, "dqn"}, flight_with(1.0), "a0") == Stored::added);
   CHECK(results.memory({0, 0, "dqn"}) == "a0");
 }
+
+TEST_CASE("who writes into a folder is noted there, and in no copy of it") {
+  const Folder folder;
+  const ProcessName writer{0xFFFFFFFFFFFFFFFF, "alpha", 5217, 1'795'355'110};
+  {
+    auto results = ResultStore::open_for_writing(folder / "out", small());
+    CHECK_FALSE(results.writer());
+    results.sign(writer);
+    const auto reader = ResultStore::open_for_reading(folder / "out");
+    REQUIRE(reader.writer());
+    CHECK(reader.writer()->incarnation == writer.incarnation);
+    CHECK(reader.writer()->host == "alpha");
+    CHECK(reader.writer()->pid == 5217);
+    CHECK(reader.writer()->since_s == writer.since_s);
+  }
+  std::filesystem::copy(folder / "out", folder / "copy");
+  auto copy = ResultStore::open_for_writing(folder / "copy", small());
+  copy.sign({7, "beta", 1, 1});
+  CHECK(ResultStore::open_for_reading(folder / "out").writer()->incarnation == writer.incarnation);
+}
+
+TEST_CASE("a database that nobody could sign yet has no writer, and can be signed") {
+  const Folder folder;
+  { (void)ResultStore::open_for_writing(folder / "out", small()); }
+  {
+    SQLite::Database database((folder / "out" / "results.sqlite").string(), SQLite::OPEN_READWRITE);
+    database.exec("DROP TABLE writer");
+  }
+  CHECK_FALSE(ResultStore::open_for_reading(folder / "out").writer());
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  results.sign({7, "beta", 1, 1});
+  CHECK(ResultStore::open_for_reading(folder / "out").writer()->incarnation == 7);
+}
+
+TEST_CASE("flights are looked up and counted while another process stores them, and gaps are named") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  const auto reader = ResultStore::open_for_reading(folder / "out");
+  CHECK_FALSE(reader.holds(first));
+  CHECK(reader.count() == 0);
+  CHECK(shortfall(reader).flights == 80);
+  CHECK(shortfall(reader).first.size() == 10);
+  results.add(first, flight_with(1.0));
+  CHECK(reader.holds(first));
+  CHECK_FALSE(reader.holds(second));
+  CHECK_THROWS_AS(reader.holds({0, 0, "planner"}), std::logic_error);
+  for (std::uint32_t condition = 0; condition < 2; ++condition)
+    for (std::uint32_t trial = 0; trial < 20; ++trial)
+      for (const char* agent : {"min-height", "constant-120"}) {
+        const FlightKey key{condition, trial, agent};
+        if (key != second && key != later && key != FlightKey{1, 19, "constant-120"})
+          results.add(key, flight_with(1.0));
+      }
+  const Shortfall missing = shortfall(reader, 2);
+  CHECK(missing.flights == 3);
+  CHECK(missing.first == std::vector<FlightKey>{second, later});
+  CHECK(missing.text(small()) ==
+        "3 of 80 flights are missing: agent constant-120 in trial 0 of condition 0 (bs_density_per_km2=1), agent "
+        "min-height in trial 7 of condition 1 (bs_density_per_km2=5) and 1 more");
+  for (const FlightKey& key : {second, later, FlightKey{1, 19, "constant-120"}}) results.add(key, flight_with(1.0));
+  CHECK(shortfall(reader).flights == 0);
+  CHECK(reader.count() == 80);
+}

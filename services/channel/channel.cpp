@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "common/base/limits.hpp"
@@ -77,6 +78,7 @@ struct Channel::State {
       now = Clock::now();
       if (follower.update()) begin();
       if (!experiment) continue;
+      if (std::exchange(collector, follower.collector()) != follower.collector()) outbox.start_over();
       commands.drain([this](const wire::HeightCommand& command) { on_command(command); });
       followed.drain([this](const wire::ReportFollowed& message) { on_followed(message); });
       memories.drain([this](const wire::FlightMemory& memory) { on_memory(memory); });
@@ -246,8 +248,12 @@ struct Channel::State {
     if (episode.accept(memory) == Episode::Outcome::finished) land(episode);
   }
 
+  /// Only what the run's own collector has stored is stored where the results belong.
   void on_stored(const wire::EpisodeStored& message) {
-    Trial* trial = trials.find(outbox.confirm(message.episode_id()));
+    if (message.collector() != collector) return;
+    const auto lease = outbox.settle(message.episode_id(), wire::view(message.digest()), now);
+    if (!lease) return;  // of another worker, or not this trace
+    Trial* trial = trials.find(*lease);
     if (trial == nullptr) return;
     trial->unconfirmed.erase(message.episode_id());
     forget_if_done(*trial);
@@ -255,7 +261,8 @@ struct Channel::State {
 
   /// A record that the collector will never store would be sent for ever: its trial fails instead.
   void on_refused(const wire::RecordRefused& message) {
-    const auto lease = outbox.give_up(message.episode_id(), wire::view(message.digest()));
+    if (message.collector() != collector) return;
+    const auto lease = outbox.settle(message.episode_id(), wire::view(message.digest()), now);
     if (!lease) return;  // not this trace
     if (trials.find(*lease) != nullptr)
       fail(*lease, fmt::format("a flight cannot be stored: {}", wire::view(message.reason())));
@@ -506,6 +513,7 @@ struct Channel::State {
   std::map<std::uint64_t, std::uint32_t> lost_histories;
   AgentDirectory agents;
   std::set<std::string> spared;  // that relays fly without
+  std::uint64_t collector = 0;   // whose confirmations count; 0: nobody's yet
   Outbox outbox;
   SwapDesk swaps;
 

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "common/base/digest.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 #include "services/channel/agent_directory.hpp"
 #include "services/channel/outbox.hpp"
@@ -152,6 +153,8 @@ TEST_CASE("records are sent again until they are confirmed") {
   wire::EpisodeRecord record;
   record.episode_id(5);
   record.lease_id(77);
+  record.trace({1, 2, 3});
+  const std::string digest = sha256_hex("\x01\x02\x03");
   outbox.add(record, start);
   int sent = 0;
   const auto count = [&](wire::EpisodeRecord&) { ++sent; };
@@ -161,10 +164,24 @@ TEST_CASE("records are sent again until they are confirmed") {
   outbox.send_due(start + 2s, count);
   CHECK(sent == 2);
   CHECK(outbox.silence(start + 4s) == 4s);
-  CHECK(outbox.confirm(6) == 0);
-  CHECK(outbox.confirm(5) == 77);
-  CHECK(outbox.confirm(5) == 0);
+  outbox.start_over();
+  outbox.send_due(start + 2s, count);
+  CHECK(sent == 3);
+  CHECK_FALSE(outbox.settle(6, digest, start + 4s));
+  CHECK(outbox.settle(5, digest, start + 4s) == 77);
+  CHECK_FALSE(outbox.settle(5, digest, start + 4s));
   CHECK(outbox.size() == 0);
+}
+
+TEST_CASE("what is said about another trace does not settle a record") {
+  Outbox outbox;
+  wire::EpisodeRecord record;
+  record.episode_id(5);
+  record.trace({1, 2, 3});
+  outbox.add(record, start);
+  CHECK_FALSE(outbox.settle(5, sha256_hex("another trace"), start));
+  CHECK_FALSE(outbox.settle(5, std::string(64, '0'), start));
+  CHECK(outbox.size() == 1);
 }
 
 TEST_CASE("an agent is there as long as it says so") {

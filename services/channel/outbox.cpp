@@ -14,22 +14,18 @@ constexpr std::chrono::seconds resend_period{2};
 void Outbox::add(wire::EpisodeRecord record, Clock::time_point now) {
   if (entries_.empty()) progress_ = now;
   const std::uint64_t episode = record.episode_id();
-  entries_.insert_or_assign(episode, Entry{std::move(record), now});
+  std::string digest = sha256_hex(wire::view(record.trace()));
+  entries_.insert_or_assign(episode, Entry{std::move(record), std::move(digest), now});
 }
 
-std::uint64_t Outbox::confirm(std::uint64_t episode_id) {
+std::optional<std::uint64_t> Outbox::settle(std::uint64_t episode_id, std::string_view trace_sha256,
+                                            Clock::time_point now) {
   const auto at = entries_.find(episode_id);
-  if (at == entries_.end()) return 0;
+  if (at == entries_.end() || at->second.trace_sha256 != trace_sha256) return std::nullopt;
   const std::uint64_t lease = at->second.record.lease_id();
   entries_.erase(at);
-  progress_ = Clock::now();
+  progress_ = now;
   return lease;
-}
-
-std::optional<std::uint64_t> Outbox::give_up(std::uint64_t episode_id, std::string_view trace_sha256) {
-  const auto at = entries_.find(episode_id);
-  if (at == entries_.end() || sha256_hex(wire::view(at->second.record.trace())) != trace_sha256) return std::nullopt;
-  return confirm(episode_id);
 }
 
 void Outbox::send_due(Clock::time_point now, const Send& send) {
@@ -38,6 +34,10 @@ void Outbox::send_due(Clock::time_point now, const Send& send) {
     send(entry.record);
     entry.due = now + resend_period;
   }
+}
+
+void Outbox::start_over() noexcept {
+  for (auto& [episode, entry] : entries_) entry.due = Clock::time_point();
 }
 
 Clock::duration Outbox::silence(Clock::time_point now) const noexcept {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "common/bus/wire.hpp"
@@ -13,18 +14,19 @@ namespace aloft::channel {
 
 using Clock = std::chrono::steady_clock;
 
-/// Finished flights, kept until the collector confirms that they are stored. No bus: the caller sends.
+/// Finished flights, kept until the collector says that they are stored, or never will be. No bus: the caller sends.
 class Outbox {
  public:
   using Send = std::function<void(wire::EpisodeRecord&)>;
 
   void add(wire::EpisodeRecord record, Clock::time_point now);
-  /// Forgets a record; returns the lease it was flown under, or 0 if it is not here.
-  std::uint64_t confirm(std::uint64_t episode_id);
-  /// Forgets a record that will never be stored; returns its lease, or nothing if no record with this trace is here.
-  std::optional<std::uint64_t> give_up(std::uint64_t episode_id, std::string_view trace_sha256);
+  /// Forgets a record; returns the lease it was flown under, or nothing if no record with this trace is here: what is
+  /// said about another trace says nothing about ours.
+  std::optional<std::uint64_t> settle(std::uint64_t episode_id, std::string_view trace_sha256, Clock::time_point now);
   /// Sends what was never sent, and again what has not been confirmed for 2 s.
   void send_due(Clock::time_point now, const Send& send);
+  /// There is somebody who may not have heard any of it: all of it is due.
+  void start_over() noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return entries_.size(); }
   /// How long the collector has confirmed nothing although records wait; zero if none waits.
@@ -33,6 +35,7 @@ class Outbox {
  private:
   struct Entry {
     wire::EpisodeRecord record;
+    std::string trace_sha256;
     Clock::time_point due;
   };
   std::map<std::uint64_t, Entry> entries_;  // by episode

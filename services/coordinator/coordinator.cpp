@@ -53,7 +53,7 @@ Coordinator::Coordinator(const experiment::Experiment& experiment, const Coordin
 }
 
 bool Coordinator::resume(const experiment::FlightKey& flight) {
-  if (!known(flight)) return false;
+  if (!knows(flight)) return false;
   // worker_seen_ is still the moment of the start.
   grant_from_ = worker_seen_ + options_.adoption_time;
   store(flight);
@@ -61,11 +61,22 @@ bool Coordinator::resume(const experiment::FlightKey& flight) {
 }
 
 void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
+  const std::string name(news.report.name);
+  switch (namesakes_.hear(name, {news.report.incarnation, news.host, news.pid, now}, news.report.capacity == 0)) {
+    case Namesakes::Verdict::alone:
+      break;
+    case Namesakes::Verdict::doubled:
+      trouble(namesakes_.text(now), now);
+      return hold_back(news);
+    case Namesakes::Verdict::held_back:
+      return hold_back(news);
+    case Namesakes::Verdict::other_left:
+      return;
+  }
   take_failures(news, now);
   WorkerReport report = news.report;
   report.flies = flies(news);
   const HeartbeatResult result = ledger_.heartbeat(report, now);
-  const std::string name(report.name);
   if (report.capacity == 0) {
     forget(name);
     if (result.left)
@@ -82,18 +93,29 @@ void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
   if (!result.adopted.empty()) spdlog::info("worker {} is flying {}", name, trial_names(result.adopted));
   if (!result.lost.empty())
     trouble(fmt::format("worker {} no longer flies {}; to be flown again", name, trial_names(result.lost)), now);
-  for (const std::uint64_t lease : result.cancel) {
-    Order order;
-    order.worker = name;
-    order.lease = lease;
-    order.cancelled = true;
-    if (const auto trial = ledger_.trial_of(lease)) std::tie(order.condition, order.trial) = *trial;
-    cancellations_.push_back(std::move(order));
-  }
+  for (const std::uint64_t lease : result.cancel) cancel(name, lease);
+}
+
+/// Its trials go to others, as if it had left: that is no loss which speaks against them.
+void Coordinator::hold_back(const WorkerNews& news) {
+  WorkerReport farewell = news.report;
+  farewell.capacity = 0;
+  (void)ledger_.heartbeat(farewell, {});
+  forget(news.report.name);
+  for (const std::uint64_t lease : news.report.leases) cancel(news.report.name, lease);
+}
+
+void Coordinator::cancel(std::string_view worker, std::uint64_t lease) {
+  Order order;
+  order.worker = worker;
+  order.lease = lease;
+  order.cancelled = true;
+  if (const auto trial = ledger_.trial_of(lease)) std::tie(order.condition, order.trial) = *trial;
+  cancellations_.push_back(std::move(order));
 }
 
 bool Coordinator::on_flight_stored(const experiment::FlightKey& flight, Clock::time_point now) {
-  if (!known(flight)) return false;
+  if (!knows(flight)) return false;
   if (store(flight)) {
     ++flights_.count;
     stored_at_ = now;
@@ -148,6 +170,24 @@ bool Coordinator::over() const {
   return ledger_.finished() || too_many_failed;
 }
 
+std::size_t Coordinator::number_of(const experiment::FlightKey& flight) const {
+  const std::size_t trial = std::size_t{flight.condition} * experiment_.trials + flight.trial;
+  return trial * experiment_.agents.size() + agent_index_.find(flight.agent)->second;
+}
+
+std::vector<experiment::FlightKey> Coordinator::lost_flights(const std::vector<bool>& is_there) const {
+  std::vector<experiment::FlightKey> lost;
+  std::size_t number = 0;
+  for (std::uint32_t condition = 0; condition < experiment_.conditions.size(); ++condition)
+    for (std::uint32_t trial = 0; trial < experiment_.trials; ++trial)
+      for (std::uint32_t agent = 0; agent < experiment_.agents.size(); ++agent) {
+        const bool found = is_there.at(number++);
+        if (!found && ledger_.is_stored(condition, trial, agent))
+          lost.push_back({condition, trial, experiment_.agents[agent].name});
+      }
+  return lost;
+}
+
 std::vector<std::string> Coordinator::failure_report() const {
   std::vector<std::string> lines;
   for (const Failure& failure : ledger_.failures())
@@ -156,7 +196,7 @@ std::vector<std::string> Coordinator::failure_report() const {
   return lines;
 }
 
-bool Coordinator::known(const experiment::FlightKey& flight) const {
+bool Coordinator::knows(const experiment::FlightKey& flight) const {
   return flight.condition < experiment_.conditions.size() && flight.trial < experiment_.trials &&
          agent_index_.contains(flight.agent);
 }
@@ -190,6 +230,7 @@ std::string Coordinator::missing_agents(std::uint32_t condition, std::uint32_t t
 
 /// Whom we wait for, or nothing.
 std::string Coordinator::waiting_for(Clock::time_point now) const {
+  if (std::string doubled = namesakes_.text(now); !doubled.empty()) return doubled;
   if (!collector_paused_.empty() && now - collector_paused_at_ < pause_shown) return collector_paused_;
   if (workers_.empty()) {
     const auto silence = now - worker_seen_;

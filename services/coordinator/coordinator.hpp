@@ -9,6 +9,7 @@
 
 #include "common/experiment/experiment.hpp"
 #include "services/coordinator/lease_ledger.hpp"
+#include "services/coordinator/namesakes.hpp"
 
 namespace aloft::coordinator {
 
@@ -26,6 +27,8 @@ struct CoordinatorOptions {
 /// What a worker's status says, apart from the wire.
 struct WorkerNews {
   WorkerReport report;
+  std::string host;
+  std::uint32_t pid = 0;
   std::uint64_t steps_done = 0;                                      ///< since the worker started
   std::uint32_t records_unconfirmed = 0;                             ///< finished flights that it still has to keep
   std::vector<std::string> flies_only;                               ///< agents; empty: all
@@ -67,12 +70,17 @@ class Coordinator {
   /// A flight was stored before this process started. False if the experiment has no such flight.
   bool resume(const experiment::FlightKey& flight);
 
+  /// Whether the experiment has this flight.
+  [[nodiscard]] bool knows(const experiment::FlightKey& flight) const;
+
   void on_worker(const WorkerNews& news, Clock::time_point now);
   /// False if the experiment has no such flight.
   bool on_flight_stored(const experiment::FlightKey& flight, Clock::time_point now);
 
-  /// The collector cannot store for the moment; to be repeated as long as that is so.
+  /// The collector cannot store for the moment; to be repeated as long as that is so. Empty: it can.
   void on_collector_paused(std::string why, Clock::time_point now);
+  /// Something that people should know, for the log and the status.
+  void trouble(std::string what, Clock::time_point now);
 
   /// Notices silent workers and hands out leases; what has to be sent.
   [[nodiscard]] std::vector<Order> tick(Clock::time_point now);
@@ -81,6 +89,10 @@ class Coordinator {
   /// Every trial is done or failed, or too many failed (fail_fast).
   [[nodiscard]] bool over() const;
   [[nodiscard]] bool succeeded() const { return ledger_.finished() && ledger_.count(TrialState::failed) == 0; }
+  /// Flights that count as stored, and are not among the results: `is_there` has an entry per flight (number_of).
+  [[nodiscard]] std::vector<experiment::FlightKey> lost_flights(const std::vector<bool>& is_there) const;
+  /// The flight's place in canonical order. The experiment must have it.
+  [[nodiscard]] std::size_t number_of(const experiment::FlightKey& flight) const;
   /// One line per trial that failed for good, at most LeaseLedger::reasons_kept.
   [[nodiscard]] std::vector<std::string> failure_report() const;
 
@@ -99,7 +111,6 @@ class Coordinator {
     void update(double elapsed_s);
   };
 
-  [[nodiscard]] bool known(const experiment::FlightKey& flight) const;
   bool store(const experiment::FlightKey& flight);
   [[nodiscard]] std::string trial_name(std::uint32_t condition, std::uint32_t trial) const;
   [[nodiscard]] std::string trial_names(const std::vector<std::uint64_t>& leases) const;
@@ -110,14 +121,16 @@ class Coordinator {
   void find_unserved(Clock::time_point now);
   void count_steps(const WorkerNews& news);
   void take_failures(const WorkerNews& news, Clock::time_point now);
+  void hold_back(const WorkerNews& news);
+  void cancel(std::string_view worker, std::uint64_t lease);
   void tell_lost(const std::vector<LostWorker>& lost, Clock::time_point now);
-  void trouble(std::string what, Clock::time_point now);
 
   const experiment::Experiment& experiment_;
   CoordinatorOptions options_;
   LeaseLedger ledger_;
   std::map<std::string, std::uint32_t, std::less<>> agent_index_;
   std::map<std::string, WorkerProgress, std::less<>> workers_;
+  Namesakes namesakes_;
   std::uint64_t records_unconfirmed_ = 0;  // of all workers
   std::vector<Order> cancellations_;
   Clock::time_point grant_from_;

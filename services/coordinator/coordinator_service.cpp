@@ -5,16 +5,22 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <iterator>
+#include <functional>
 #include <optional>
 #include <random>
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
+#include "common/base/process_name.hpp"
 #include "common/base/read_file.hpp"
+#include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
-#include "common/store/result_store.hpp"
+#include "services/coordinator/folder_lock.hpp"
+#include "services/coordinator/own_collector.hpp"
+#include "services/coordinator/results_view.hpp"
+#include "services/runtime/sole_coordinator.hpp"
 
 namespace aloft::coordinator {
 namespace {
@@ -32,28 +38,12 @@ constexpr auto absence_time = 5s;                 // for the absent to come back
 constexpr auto absent_patience = 10s;             // whoever is silent for longer is not waited for
 constexpr auto database_time = 10s;               // for the collector to make the database
 constexpr auto reread_delay = 1s;                 // until both sides of a new connection know each other
+constexpr auto predecessor_time = 2s;             // for a coordinator of the same folder that is just ending
+constexpr auto rival_time = 500ms;                // between two answers to another coordinator
+constexpr auto count_time = 10s;                  // for a collector on another host to say how much it has stored
 constexpr std::uint32_t reread_flights = 5000;    // at a time: some 20 ms
 constexpr std::size_t failures_told = 20;
-
-/// The collector's database, if there is one yet. The collector may be making it at this moment, so errors count only
-/// when they stay.
-void open_database(std::optional<store::ResultStore>& store, const std::filesystem::path& results,
-                   const experiment::Experiment& experiment, bus::Waiter& waiter, const bus::StopSignal& stop) {
-  const auto give_up = Clock::now() + database_time;
-  while (!store && !stop.requested() && std::filesystem::exists(results / "results.sqlite")) {
-    try {
-      store.emplace(store::ResultStore::open_for_reading(results));
-    } catch (const std::exception& error) {
-      if (Clock::now() >= give_up) throw;
-      spdlog::debug("the database is not ready: {}", error.what());
-      waiter.wait(100ms);
-    }
-  }
-  if (store && store->experiment().id != experiment.id)
-    throw InputError(fmt::format(
-        "--results {}: holds results of experiment {} ({}), not of {} ({}); choose another folder", results.string(),
-        store->experiment().name, store->experiment().id, experiment.name, experiment.id));
-}
+constexpr std::size_t lost_named = 10;
 
 wire::TrialAssignment to_wire(const Order& order, const std::string& experiment_id) {
   wire::TrialAssignment assignment;
@@ -78,7 +68,9 @@ class Conversation {
         experiment_(experiment),
         participant_(service.bus),
         waiter_(service.stop),
+        results_(options.results, experiment),
         coordinator_(experiment, options.coordinator, std::random_device{}(), Clock::now()),
+        own_collector_(this_process().host, Clock::now()),
         worker_seen_(Clock::now()) {
     workers_.expect_experiment(experiment.id);
     stored_.expect_experiment(experiment.id);
@@ -86,17 +78,22 @@ class Conversation {
     waiter_.add(workers_);
     waiter_.add(stored_);
     waiter_.add(collector_);
+    waiter_.add(sole_.reader());
+    // Until then, not a word: it would be taken for the first coordinator's.
+    is_sole_ = sole_.take(claim_, std::chrono::ceil<std::chrono::milliseconds>(options.look_around),
+                          [this] { return stop_.requested(); });
+    if (!is_sole_) return;
     // Only now, with the readers in place: what is stored while we read comes over the bus.
     std::size_t resumed = 0;
-    open_database(database_, options_.results, experiment_, waiter_, stop_);
-    if (database_)
-      database_->for_each_flight(
+    if (const store::ResultStore* database = results_.open(patience()))
+      database->for_each_flight(
           [&](const store::FlightSummary& flight) { resumed += coordinator_.resume(flight.key) ? 1U : 0U; });
     spdlog::info("experiment {} ({}): {} flights, {} of them stored", experiment.name, experiment.id,
                  coordinator_.progress(Clock::now()).flights_total, resumed);
   }
 
   void run() {
+    if (!is_sole_) return;
     say(wire::RUN_RUNNING);
     notifier_.ready(fmt::format("hands out experiment {}", experiment_.name));
     while (!stop_.requested() && !coordinator_.over() && collector_failure_.empty()) {
@@ -110,25 +107,62 @@ class Conversation {
       give_up_if_alone(now);
     }
     const bool stopped = !coordinator_.over() && collector_failure_.empty();
-    finish(stopped ? wire::RUN_STOPPING : coordinator_.succeeded() ? wire::RUN_FINISHED : wire::RUN_FAILED);
+    if (!stopped && collector_failure_.empty()) compare_with_results();
+    const bool succeeded = coordinator_.succeeded() && shortfall_.empty();
+    finish(stopped ? wire::RUN_STOPPING : succeeded ? wire::RUN_FINISHED : wire::RUN_FAILED);
   }
 
  private:
+  /// For a database in the making.
+  [[nodiscard]] std::function<bool()> patience() {
+    return [this, give_up = Clock::now() + database_time] {
+      waiter_.wait(100ms);
+      return !stop_.requested() && Clock::now() < give_up;
+    };
+  }
+
   void listen() {
     const auto now = Clock::now();
+    if (const auto other = sole_.hear()) meet(*other, now);
     workers_.drain([&](const wire::WorkerStatus& status) { on_worker(status, now); });
-    stored_.drain([&](const wire::EpisodeStored& stored) {
-      const bool ours = coordinator_.on_flight_stored(
-          {stored.condition(), stored.trial(), std::string(wire::view(stored.agent()))}, now);
-      if (!ours) spdlog::warn("the collector has stored a flight that the experiment does not have");
-    });
     collector_.drain([&](const wire::CollectorStatus& status) { on_collector(status, now); });
+    stored_.drain([&](const wire::EpisodeStored& stored) { on_stored(stored, now); });
     reread_database(now);
+  }
+
+  /// Somebody else coordinates this run, and neither of us heard the other when it started.
+  void meet(const ProcessName& other, Clock::time_point now) {
+    if (!runtime::SoleCoordinator::is_first(this_process(), other)) throw InputError(sole_.refusal(other));
+    coordinator_.trouble(
+        fmt::format("{} wants to coordinate this run, too; it has to end", to_text(other, "aloft-coordinator")), now);
+    offer_at_ = std::min(offer_at_, now + rival_time);  // so that it hears us, and others follow us again
+  }
+
+  /// Anybody can say that a flight is stored. It is when it lies in the database; on another host, when the run's own
+  /// collector says so.
+  void on_stored(const wire::EpisodeStored& stored, Clock::time_point now) {
+    const experiment::FlightKey flight{stored.condition(), stored.trial(), std::string(wire::view(stored.agent()))};
+    if (!coordinator_.knows(flight)) return stored_.drop("the experiment has no such flight");
+    if (!is_stored(flight, stored.collector(), now)) return stored_.drop("this flight is not among the results");
+    coordinator_.on_flight_stored(flight, now);
+  }
+
+  [[nodiscard]] bool is_stored(const experiment::FlightKey& flight, std::uint64_t collector, Clock::time_point now) {
+    try {
+      if (const store::ResultStore* database = results_.database()) return database->holds(flight);
+    } catch (const std::exception& error) {
+      spdlog::warn("cannot look up a flight, reads all of them again: {}", error.what());
+      reread_at_ = now + reread_delay;
+      return false;
+    }
+    return own_collector_.own() && own_collector_.own()->process.incarnation == collector;
   }
 
   void on_worker(const wire::WorkerStatus& status, Clock::time_point now) {
     WorkerNews news;
     news.report = {wire::view(status.worker()), status.incarnation(), status.capacity(), status.leases(), {}};
+    news.host = wire::view(status.host());
+    news.pid = status.pid();
     news.flies_only = wire::texts(status.flies_only());
     news.steps_done = status.steps_done();
     news.records_unconfirmed = status.records_unconfirmed();
@@ -147,10 +181,10 @@ class Conversation {
     if (now >= reread_at_) reread_from_ = 0;
     if (!reread_from_) return;
     reread_at_ = Clock::time_point::max();
-    open_database(database_, options_.results, experiment_, waiter_, stop_);
-    if (!database_) return reread_from_.reset();
+    const store::ResultStore* database = results_.open(patience());
+    if (database == nullptr) return reread_from_.reset();
     // In parts: workers must not seem silent meanwhile.
-    reread_from_ = database_->visit_part(*reread_from_, reread_flights, [&](const store::FlightSummary& flight) {
+    reread_from_ = database->visit_part(*reread_from_, reread_flights, [&](const store::FlightSummary& flight) {
       coordinator_.on_flight_stored(flight.key, now);
     });
   }
@@ -196,6 +230,9 @@ class Conversation {
     wire::RunControl control;
     control.experiment_id(wire::experiment_id(experiment_.id));
     control.state(state);
+    control.coordinator(bus::to_wire(this_process()));
+    if (own_collector_.own()) control.collector(bus::to_wire(own_collector_.own()->process));
+    control.refused(own_collector_.refused());
     control.experiment_json(wire::bytes(canonical_json_));
     controls_.write(control);
   }
@@ -216,16 +253,93 @@ class Conversation {
   }
 
   void on_collector(const wire::CollectorStatus& status, Clock::time_point now) {
+    if (!is_own(status, now)) return;
     const std::string message(wire::view(status.message()));
     if (status.state() == wire::COLLECTOR_FAILED) collector_failure_ = "aloft-metrics failed: " + message;
-    if (status.state() == wire::COLLECTOR_PAUSED) coordinator_.on_collector_paused("aloft-metrics: " + message, now);
+    const bool paused = status.state() == wire::COLLECTOR_PAUSED;
+    coordinator_.on_collector_paused(paused ? "aloft-metrics: " + message : "", now);
+  }
+
+  /// Whether this is the run's own collector. Others are told to end.
+  [[nodiscard]] bool is_own(const wire::CollectorStatus& status, Clock::time_point now) {
+    const OwnCollector::News news{bus::from_wire(status.collector()), plain_text(wire::view(status.results())),
+                                  status.flights_stored()};
+    const bool known = own_collector_.is_own(news.process);
+    const auto folder = known ? OwnCollector::Folder() : results_.look();
+    if (!folder) return false;  // it will speak again
+    switch (own_collector_.hear(news, *folder, now)) {
+      case OwnCollector::Verdict::own:
+        return true;
+      case OwnCollector::Verdict::now_own:
+        spdlog::info("the flights are stored by {}, in '{}'", to_text(news.process, "aloft-metrics"), news.results);
+        if (!folder->has_database)
+          spdlog::warn("'{}' of host {} cannot be read here: what is stored there is only counted", news.results,
+                       news.process.host);
+        say(wire::RUN_RUNNING);
+        return true;
+      case OwnCollector::Verdict::now_refused:
+        coordinator_.trouble(fmt::format("refuses {}, which stores in '{}': this run stores in '{}'",
+                                         to_text(news.process, "aloft-metrics"), news.results,
+                                         std::filesystem::absolute(options_.results).string()),
+                             now);
+        say(wire::RUN_RUNNING);
+        return false;
+      case OwnCollector::Verdict::foreign:
+        return false;
+    }
+    return false;
+  }
+
+  /// Nobody hears of success before every flight has been seen among the results.
+  void compare_with_results() {
+    try {
+      if (const store::ResultStore* database = results_.open(patience()))
+        find_lost(*database);
+      else
+        await_count();
+    } catch (const std::exception& error) {
+      shortfall_ = fmt::format("the results cannot be read: {}", error.what());
+    }
+  }
+
+  void find_lost(const store::ResultStore& database) {
+    std::vector<bool> is_there(coordinator_.progress(Clock::now()).flights_total);
+    for (std::optional<std::int64_t> from = 0; from;) {
+      notifier_.alive();
+      from = database.visit_part(*from, reread_flights, [&](const store::FlightSummary& flight) {
+        if (coordinator_.knows(flight.key)) is_there[coordinator_.number_of(flight.key)] = true;
+      });
+    }
+    store::Shortfall lost;
+    lost.first = coordinator_.lost_flights(is_there);
+    lost.flights = lost.first.size();
+    lost.first.resize(std::min(lost.first.size(), lost_named));
+    if (lost.flights == 0) return;
+    shortfall_ = fmt::format("flights were stored in '{}' and are not there any more: {}; the same command flies them",
+                             options_.results.string(), lost.text(experiment_));
+  }
+
+  /// A database that this host cannot read.
+  void await_count() {
+    const auto stored = [this] { return own_collector_.own() ? own_collector_.own()->flights_stored : 0; };
+    const std::uint64_t expected = coordinator_.progress(Clock::now()).flights_stored;
+    const auto give_up = Clock::now() + count_time;
+    while (stored() < expected && Clock::now() < give_up && !stop_.requested()) {
+      waiter_.wait(tick_time);
+      notifier_.alive();
+      collector_.drain([this](const wire::CollectorStatus& status) { on_collector(status, Clock::now()); });
+    }
+    if (stored() < expected)
+      shortfall_ = fmt::format("aloft-metrics has stored {} flights, and not {}; it names those that are missing",
+                               stored(), expected);
   }
 
   /// Tells everyone how it ended; throws if that was not well.
   void finish(wire::RunState state) {
     say(state);
     std::vector<std::string> failures = coordinator_.failure_report();
-    if (!collector_failure_.empty()) failures.insert(failures.begin(), collector_failure_);
+    for (const std::string& trouble : {shortfall_, collector_failure_})
+      if (!trouble.empty()) failures.insert(failures.begin(), trouble);
     failures.resize(std::min(failures.size(), failures_told));
     write_status(state, coordinator_.progress(Clock::now()), fmt::format("{}", fmt::join(failures, "\n")));
     wait_for_absent();
@@ -266,9 +380,14 @@ class Conversation {
   bus::Reader<wire::WorkerStatus> workers_{participant_};
   bus::Reader<wire::EpisodeStored> stored_{participant_};
   bus::Reader<wire::CollectorStatus> collector_{participant_};
+  runtime::SoleCoordinator sole_{participant_};
+  runtime::RunClaim claim_{participant_.options().run, participant_.options().domain, "coordinator"};
+  bool is_sole_ = false;
+  ResultsView results_;
   Coordinator coordinator_;
-  std::optional<store::ResultStore> database_;
+  OwnCollector own_collector_;
   std::string collector_failure_;
+  std::string shortfall_;
   Clock::time_point worker_seen_;
   std::size_t collectors_ = 0;
   Clock::time_point reread_at_ = Clock::time_point::max();
@@ -285,6 +404,7 @@ class Conversation {
 void coordinate(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
       experiment::parse(read_file(options.experiment), options.experiment.string());
+  const FolderLock lock(options.results, this_process(), predecessor_time);
   Conversation(service, options, experiment).run();
 }
 

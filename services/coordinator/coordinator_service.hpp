@@ -13,6 +13,8 @@ struct ServiceOptions {
   std::filesystem::path results;     ///< folder of results.sqlite
   CoordinatorOptions coordinator;
   double give_up_after_s = 0.0;  ///< without any worker; 0: wait for ever, and say so
+  /// Before the start, for another coordinator of the run on another machine.
+  Clock::duration look_around = std::chrono::milliseconds(500);
 };
 
 /// Runs the experiment over the bus until every flight is stored or a stop is requested. InputError if the experiment

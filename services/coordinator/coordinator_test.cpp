@@ -193,3 +193,58 @@ TEST_CASE("rates follow the flights and steps of the last seconds", "[coordinato
   CHECK(coordinator.progress(start + 60s).steps_per_s == Approx(500).epsilon(0.01));
   CHECK(coordinator.progress(start + 60s).flights_per_s == Approx(5).epsilon(0.01));
 }
+
+TEST_CASE("two workers of one name cost no attempts; their trials go to others until one of them is gone",
+          "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 0, start);
+  std::vector<std::uint64_t> none;
+  std::vector<std::uint64_t> leases;
+  const auto speak = [&](std::uint64_t incarnation, std::vector<std::uint64_t>& held, Clock::time_point now,
+                         std::uint32_t capacity = 2) {
+    WorkerNews report = news("w0", held, capacity);
+    report.report.incarnation = incarnation;
+    report.host = incarnation == 1 ? "alpha" : "beta";
+    report.pid = static_cast<std::uint32_t>(incarnation);
+    coordinator.on_worker(report, now);
+  };
+  speak(1, none, start);
+  for (const Order& order : coordinator.tick(start)) leases.push_back(order.lease);
+  REQUIRE(leases.size() == 2);
+  speak(1, leases, start + 100ms);
+  speak(2, none, start + 200ms);
+  (void)coordinator.tick(start + 200ms);
+  for (int flip = 0; flip < 50; ++flip) {
+    const auto now = start + 300ms + flip * 200ms;
+    speak(1, leases, now);
+    speak(2, none, now + 100ms);
+    for (const Order& order : coordinator.tick(now + 100ms)) CHECK(order.cancelled);
+    CHECK_THAT(coordinator.progress(now + 100ms).message,
+               Catch::Contains("2 workers are called w0: on host alpha (process 1) and on host beta (process 2)"));
+  }
+  CHECK(coordinator.progress(start + 11s).trials_failed == 0);
+  const auto end = start + 12s;
+  speak(2, none, end, 0);
+  speak(1, none, end);
+  const auto orders = coordinator.tick(end);
+  REQUIRE(orders.size() == 2);
+  for (const Order& order : orders) {
+    CHECK_FALSE(order.cancelled);
+    CHECK(order.attempt <= 2);  // the one that came second was taken for the other's successor
+  }
+  CHECK(coordinator.progress(end).message.find("called w0") == std::string::npos);
+}
+
+TEST_CASE("flights that count as stored and are not among the results are found", "[coordinator]") {
+  const auto experiment = small_experiment();
+  Coordinator coordinator(experiment, {}, 0, start);
+  coordinator.on_flight_stored({0, 1, "min-height"}, start);
+  coordinator.on_flight_stored({1, 0, "dqn"}, start);
+  std::vector<bool> is_there(8, false);
+  CHECK(coordinator.number_of({1, 0, "dqn"}) == 5);
+  is_there[5] = true;
+  is_there[7] = true;  // nobody told us yet
+  CHECK(coordinator.lost_flights(is_there) == std::vector<experiment::FlightKey>{{0, 1, "min-height"}});
+  is_there[2] = true;
+  CHECK(coordinator.lost_flights(is_there).empty());
+}

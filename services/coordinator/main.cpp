@@ -35,6 +35,10 @@ void declare(CLI::App& app, ServiceOptions& options) {
   app.add_option_function<double>("--claim-timeout", seconds_into(coordinator.unclaimed_timeout),
                                   "Time in seconds in which a worker must show that it flies a trial it was given [5]")
       ->check(aloft::runtime::number(0.5, 3600));
+  app.add_option_function<double>(
+         "--look-around", seconds_into(options.look_around),
+         "Time in seconds to listen for another coordinator of the run on another machine before the start [0.5]")
+      ->check(aloft::runtime::number(0, 60));
   app.add_option("--give-up-after", options.give_up_after_s,
                  "Time in seconds without any worker that ends the run; 0: never")
       ->check(aloft::runtime::number(0, 1e9))

@@ -81,11 +81,12 @@ std::vector<Acknowledgement> Collector::commit_due(Clock::time_point now, bool f
   std::vector<Acknowledgement> acknowledgements;
   acknowledgements.reserve(queue_.size());
   for (std::size_t i = 0; i < queue_.size(); ++i) {
-    if (stored.at(i) == store::Stored::added)
+    const bool is_new = stored.at(i) == store::Stored::added;
+    if (is_new)
       instruments_.stored(queue_steps_[i]);
     else
       instruments_.duplicate();
-    acknowledgements.push_back({queue_[i].episode_id, std::move(queue_[i].key), sha256_hex(queue_[i].trace)});
+    acknowledgements.push_back({queue_[i].episode_id, std::move(queue_[i].key), sha256_hex(queue_[i].trace), is_new});
   }
   queue_.clear();
   queue_steps_.clear();

@@ -31,6 +31,7 @@ struct Acknowledgement {
   std::uint64_t episode_id = 0;
   experiment::FlightKey key;
   std::string digest;
+  bool is_new = false;  ///< it was not there before
 };
 
 struct CollectorOptions {

@@ -93,6 +93,7 @@ TEST_CASE_METHOD(Fixture, "records are committed 50 ms after the first, or 64 at
   CHECK(done[1].key == record(1).key);
   CHECK(done[1].episode_id == record(1).episode_id);
   CHECK(done[1].digest == sha256_hex(record(1).trace));
+  CHECK(done[1].is_new);
   CHECK_FALSE(collector.next_due());
 
   for (std::uint32_t trial = 2; trial < 66; ++trial) collector.offer(record(trial), start + 1s);
@@ -119,7 +120,9 @@ TEST_CASE_METHOD(Fixture, "a duplicate is confirmed again and stored once", "[co
   collector.offer(record(0), start);  // in the same batch
   CHECK(collector.commit_due(start, true).size() == 1);
   collector.offer(record(0), start + 2s);
-  CHECK(collector.commit_due(start + 2s, true).size() == 1);
+  const auto again = collector.commit_due(start + 2s, true);
+  REQUIRE(again.size() == 1);
+  CHECK_FALSE(again[0].is_new);
   CHECK(store.flights.size() == 1);
   CHECK_THAT(instruments.prometheus_text(),
              Catch::Contains("aloft_records_duplicate_total 1\n") && Catch::Contains("aloft_flights_stored_total 1\n"));

@@ -10,7 +10,9 @@
 
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
+#include "common/base/process_name.hpp"
 #include "common/base/read_file.hpp"
+#include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/metrics/collector.hpp"
@@ -24,7 +26,7 @@ using namespace std::chrono_literals;
 
 constexpr auto idle_time = 500ms;
 constexpr auto say_again_time = 10s;
-constexpr auto pause_news_time = 1s;
+constexpr auto news_time = 1s;
 constexpr auto farewell_time = 1s;
 
 Record to_record(const wire::EpisodeRecord& sample) {
@@ -50,7 +52,8 @@ class Conversation {
         board_(service.bus.run),
         collector_(experiment, commit_to(store_), instruments_),
         participant_(service.bus),
-        waiter_(service.stop) {
+        waiter_(service.stop),
+        flights_stored_(store_.count()) {
     records_.expect_experiment(experiment.id);
     memory_requests_.expect_experiment(experiment.id);
     controls_.expect_experiment(experiment.id);
@@ -60,7 +63,6 @@ class Conversation {
     waiter_.add(memory_requests_);
     waiter_.add(controls_);
     if (options.http_port) serve_http(options.http_address, *options.http_port);
-    tell_collector(wire::COLLECTOR_STORING, "");
   }
 
   void run() {
@@ -68,6 +70,7 @@ class Conversation {
     while (!stop_.requested() && !over_) {
       waiter_.wait(time_to_wait());
       notifier_.alive();
+      sign();
       listen();
       store_due(false);
       publish();
@@ -79,7 +82,30 @@ class Conversation {
       spdlog::warn("ends while {}; they will be sent again to the next aloft-metrics", collector_.paused_because());
   }
 
+  /// Writes the summary of a run that is over. std::runtime_error if flights of the experiment are missing.
+  void conclude() const {
+    store::write_summary(options_.results);
+    const store::Shortfall missing = store::shortfall(store_);
+    if (missing.flights > 0)
+      throw std::runtime_error(fmt::format("the run is over, and in '{}' {}; run it again: only these are flown",
+                                           options_.results.string(), missing.text(experiment_)));
+    spdlog::info("all {} flights are stored in '{}'", store_.count(), options_.results.string());
+  }
+
  private:
+  /// Says in the database that this process writes it: by that the coordinator tells its collector from others. On a
+  /// full disk that has to wait.
+  void sign() {
+    if (signed_ || Clock::now() < sign_at_) return;
+    try {
+      store_.sign(this_process());
+      signed_ = true;
+    } catch (const store::StoreFull& full) {
+      warn_sometimes(full.what());
+      sign_at_ = Clock::now() + news_time;
+    }
+  }
+
   void serve_http(const std::string& address, int port) {
     http_ = std::make_unique<HttpServer>(
         address, port,
@@ -97,7 +123,7 @@ class Conversation {
 
   [[nodiscard]] std::chrono::milliseconds time_to_wait() const {
     const auto due = collector_.next_due();
-    if (!due) return idle_time;
+    if (!due || !accepted_) return idle_time;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(*due - Clock::now());
     return std::clamp(left, std::chrono::milliseconds(0), std::chrono::milliseconds(idle_time));
   }
@@ -118,14 +144,34 @@ class Conversation {
       board_.on_run(status);
       instruments_.set_progress(static_cast<double>(status.flights_total()), status.workers_alive());
     });
-    controls_.drain([this](const wire::RunControl& control) {
-      board_.on_control(control);
-      const bool goes_on_later = options_.summary && control.state() == wire::RUN_STOPPING;
-      over_ = over_ || (control.state() != wire::RUN_RUNNING && !goes_on_later);
-    });
+    controls_.drain([this](const wire::RunControl& control) { follow(control); });
   }
 
+  void follow(const wire::RunControl& control) {
+    board_.on_control(control);
+    const std::uint64_t self = this_process().incarnation;
+    const ProcessName own = bus::from_wire(control.collector());
+    const bool refused = std::find(control.refused().begin(), control.refused().end(), self) != control.refused().end();
+    const bool over = control.state() != wire::RUN_RUNNING;
+    if (refused || (over && own.known() && own.incarnation != self)) throw InputError(refusal(own));
+    if (own.known()) accepted_ = own.incarnation == self;
+    const bool goes_on_later = options_.summary && control.state() == wire::RUN_STOPPING;
+    over_ = over_ || (over && !goes_on_later);
+  }
+
+  /// Why the coordinator does not want us; `own` is the run's own collector.
+  [[nodiscard]] std::string refusal(const ProcessName& own) const {
+    const std::string first =
+        own.known() ? "is " + to_text(own, "aloft-metrics") : "writes the folder of its coordinator's --out";
+    return fmt::format(
+        "run '{}' has one collector, and it {}; this one, for the folder '{}', is refused: use another --run, or the "
+        "folder of the run",
+        participant_.options().run, first, options_.results.string());
+  }
+
+  /// Only the run's own collector stores: what others confirm would be missing in the run's results.
   void store_due(bool flush) {
+    if (!accepted_) return;
     try {
       for (const Acknowledgement& done : collector_.commit_due(Clock::now(), flush)) confirm(done);
     } catch (const IntegrityError& error) {
@@ -137,6 +183,7 @@ class Conversation {
   /// The last flight of a lineage may be asked for by a worker that does not know yet that its lease is over: then
   /// there is nothing to tell.
   void tell_memory(const wire::MemoryRequest& request) {
+    if (!accepted_) return;  // it is asked again
     const experiment::FlightKey key{request.condition(), request.trial(), request.agent().to_string()};
     try {
       const auto memory = store_.memory(key);
@@ -165,6 +212,7 @@ class Conversation {
 
   void confirm(const Acknowledgement& done) {
     if (!std::exchange(has_stored_, true)) spdlog::info("has stored its first flight, of agent {}", done.key.agent);
+    if (done.is_new) ++flights_stored_;
     wire::EpisodeStored stored;
     stored.experiment_id(wire::experiment_id(experiment_.id));
     stored.episode_id(done.episode_id);
@@ -172,6 +220,7 @@ class Conversation {
     stored.trial(done.key.trial);
     stored.agent(wire::name(done.key.agent));
     stored.digest(wire::name(done.digest));
+    stored.collector(this_process().incarnation);
     confirmations_.write(stored);
   }
 
@@ -182,6 +231,7 @@ class Conversation {
     refused.experiment_id(sample.experiment_id());
     refused.episode_id(sample.episode_id());
     refused.digest(wire::name(sha256_hex(wire::view(sample.trace()))));
+    refused.collector(this_process().incarnation);
     refused.reason(wire::message(reason));
     refusals_.write(refused);
   }
@@ -192,23 +242,25 @@ class Conversation {
     const std::string& paused = collector_.paused_because();
     board_.on_tick(now, paused);
     instruments_.set_samples_dropped(static_cast<double>(participant_.drops()));
-    if (paused.empty() && was_paused_) {
-      spdlog::warn("stores again");
-      tell_collector(wire::COLLECTOR_STORING, "");
-    } else if (!paused.empty() && (!was_paused_ || now - told_at_ >= pause_news_time)) {
-      tell_collector(wire::COLLECTOR_PAUSED, paused);
-      told_at_ = now;
-      if (!was_paused_ || now - said_at_ >= say_again_time) {
-        spdlog::warn("{}; free some space, trying again every second", paused);
-        said_at_ = now;
-      }
+    const bool changed = paused.empty() == was_paused_;
+    if (changed && paused.empty()) spdlog::warn("stores again");
+    if (!paused.empty() && (changed || now - said_at_ >= say_again_time)) {
+      spdlog::warn("{}; free some space, trying again every second", paused);
+      said_at_ = now;
     }
     was_paused_ = !paused.empty();
+    if (!changed && now - told_at_ < news_time) return;
+    told_at_ = now;
+    tell_collector(paused.empty() ? wire::COLLECTOR_STORING : wire::COLLECTOR_PAUSED, paused);
   }
 
   void tell_collector(wire::CollectorState state, std::string_view message) {
+    if (!signed_) return;  // nobody could tell whose collector this is
     wire::CollectorStatus status;
     status.experiment_id(wire::experiment_id(experiment_.id));
+    status.collector(bus::to_wire(this_process()));
+    status.results(wire::message(std::filesystem::absolute(options_.results).string()));
+    status.flights_stored(flights_stored_);
     status.state(state);
     status.message(wire::message(message));
     collector_news_.write(status);
@@ -243,6 +295,10 @@ class Conversation {
   bus::Reader<wire::WorkerStatus> workers_{participant_};
   bus::Reader<wire::RunStatus> runs_{participant_};
   std::unique_ptr<HttpServer> http_;
+  std::uint64_t flights_stored_;
+  bool signed_ = false;
+  Clock::time_point sign_at_;
+  bool accepted_ = false;  // the coordinator, the latest if there were several, calls this the run's collector
   bool over_ = false;
   bool has_stored_ = false;
   bool was_paused_ = false;
@@ -256,8 +312,9 @@ class Conversation {
 void collect(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
       experiment::parse(read_file(options.experiment), options.experiment.string());
-  Conversation(service, options, experiment).run();
-  if (options.summary && !service.stop.requested()) store::write_summary(options.results);
+  Conversation conversation(service, options, experiment);
+  conversation.run();
+  if (options.summary && !service.stop.requested()) conversation.conclude();
 }
 
 }  // namespace aloft::metrics

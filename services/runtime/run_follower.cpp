@@ -24,7 +24,10 @@ void RunFollower::follow(const wire::RunControl& control) {
     over_ = true;
     return;
   }
-  if (experiment_ != nullptr) return;
+  if (experiment_ != nullptr) {
+    collector_ = control.collector().incarnation();
+    return;
+  }
   try {
     auto experiment = std::make_shared<experiment::Experiment>(
         experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
@@ -32,6 +35,7 @@ void RunFollower::follow(const wire::RunControl& control) {
     controls_.expect_experiment(experiment->id);
     spdlog::info("experiment {} ({}): {} agents", experiment->name, experiment->id, experiment->agents.size());
     experiment_ = std::move(experiment);
+    collector_ = control.collector().incarnation();
   } catch (const std::exception& error) {
     refuse(error.what());
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <set>
 #include <string>
@@ -10,7 +11,8 @@
 
 namespace aloft::runtime {
 
-/// What a process of a worker learns from RunControl: the experiment of its run, and when the run is over. A process
+/// What a process of a worker learns from RunControl: the experiment of its run, its collector, and when the run is
+/// over. A process
 /// serves one experiment: what is said about others is dropped, and so is an experiment that cannot be read.
 class RunFollower {
  public:
@@ -20,6 +22,8 @@ class RunFollower {
   bool update();
 
   [[nodiscard]] bool over() const noexcept { return over_; }
+  /// Whose confirmations count (ProcessName::incarnation); 0: not known yet.
+  [[nodiscard]] std::uint64_t collector() const noexcept { return collector_; }
   /// Null until it is known.
   [[nodiscard]] const std::shared_ptr<const experiment::Experiment>& experiment() const noexcept { return experiment_; }
   /// For a waiter.
@@ -33,6 +37,7 @@ class RunFollower {
   bus::Reader<wire::RunControl> controls_;
   std::shared_ptr<const experiment::Experiment> experiment_;
   std::set<std::string> refused_senders_;
+  std::uint64_t collector_ = 0;
   bool over_ = false;
 };
 

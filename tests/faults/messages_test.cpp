@@ -283,8 +283,11 @@ TEST_CASE("bad samples on every topic are dropped and counted, and change nothin
   run.send<StoredMemory, StoredMemoryPubSubType>(memory, {[](auto& s) { s.memory().clear(); }}, {learner});
   CollectorStatus collector;
   collector.state(COLLECTOR_FAILED);
+  collector.collector().incarnation(1);
   run.send<CollectorStatus, CollectorStatusPubSubType>(
-      collector, {[](auto& s) { s.state(static_cast<CollectorState>(9)); }}, {coordinator});
+      collector,
+      {[](auto& s) { s.state(static_cast<CollectorState>(9)); }, [](auto& s) { s.collector().incarnation(0); }},
+      {coordinator});
   run.check_sent();
   run.check_finished();
 }

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include "common/base/digest.hpp"
 #include "common/base/random.hpp"
 
 namespace aloft::test {
@@ -65,16 +66,20 @@ void FakeWorker::pump() {
 
 void FakeWorker::listen() {
   assignments_.drain([this](const wire::TrialAssignment& assignment) { take(assignment); });
+  controls_.drain([this](const wire::RunControl& control) {
+    run_state_ = control.state();
+    collector_ = control.collector().incarnation();
+  });
   stored_.drain([this](const wire::EpisodeStored& stored) {
-    ++confirmations_;
     const experiment::FlightKey key{stored.condition(), stored.trial(), std::string(wire::view(stored.agent()))};
+    if (stored.collector() != collector_ || stored.digest() != sha256_hex(synthetic_trace(experiment_, key))) return;
+    ++confirmations_;
     outbox_.erase(key);
     for (auto& [id, lease] : leases_) lease.unconfirmed.erase(key);
   });
   std::erase_if(leases_,
                 [](const auto& lease) { return lease.second.to_fly.empty() && lease.second.unconfirmed.empty(); });
   refused_.drain([this](const wire::RecordRefused& refused) { refusals_.emplace_back(wire::view(refused.reason())); });
-  controls_.drain([this](const wire::RunControl& control) { run_state_ = control.state(); });
   runs_.drain([this](const wire::RunStatus& status) { run_message_ = wire::view(status.message()); });
 }
 
@@ -142,7 +147,7 @@ void FakeWorker::report() {
   status.experiment_id(wire::experiment_id(experiment_.id));
   status.host(wire::name("test"));
   status.pid(static_cast<std::uint32_t>(getpid()));
-  status.incarnation(1);
+  status.incarnation(behaviour.incarnation);
   status.heartbeat(++heartbeat_);
   status.capacity(behaviour.capacity);
   for (const auto& [id, lease] : leases_) status.leases().push_back(id);

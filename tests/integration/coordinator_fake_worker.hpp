@@ -33,6 +33,7 @@ class FakeWorker {
     bool duplicates = false;  ///< every record is sent twice
     int flights_per_pump = 1;
     std::set<std::pair<std::uint32_t, std::uint32_t>> failing;  ///< (condition, trial) that it gives up
+    std::uint64_t incarnation = 1;
   } behaviour;
 
   void pump();
@@ -44,6 +45,8 @@ class FakeWorker {
   /// Why the collector refused records of this experiment.
   [[nodiscard]] const std::vector<std::string>& refusals() const { return refusals_; }
   [[nodiscard]] bool records_matched() const { return records_.matched() > 0; }
+  /// The run's own, as the coordinator says.
+  [[nodiscard]] std::uint64_t collector() const { return collector_; }
   [[nodiscard]] wire::RunState run_state() const { return run_state_; }
   [[nodiscard]] const std::string& run_message() const { return run_message_; }
 
@@ -76,6 +79,7 @@ class FakeWorker {
   std::map<experiment::FlightKey, int> flown_;
   std::vector<std::string> refusals_;
   std::size_t confirmations_ = 0;
+  std::uint64_t collector_ = 0;
   std::uint64_t heartbeat_ = 0;
   std::uint64_t steps_ = 0;
   Clock::time_point reported_at_;

@@ -12,8 +12,7 @@
 
 #include "common/base/random.hpp"
 #include "tests/faults/effort.hpp"
-#include "tests/integration/command.hpp"
-#include "tests/integration/coordinator_fake_worker.hpp"
+#include "tests/integration/coordinator_run.hpp"
 
 using namespace aloft;
 using namespace aloft::test;
@@ -22,102 +21,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr const char* experiment_text = R"({
-  "name": "coordination", "seed": 7, "trials": 12, "max_attempts": 2,
-  "world": {"kind": "generated", "bs_density_per_km2": [1, 5]},
-  "agents": ["min-height", "constant-120", "random-walk"]
-})";
-constexpr std::size_t flights_total = 2 * 12 * 3;
-
-/// A run with its own name and domain: result folder, processes, workers.
-class Run {
- public:
-  Run() {
-    static int runs = 0;
-    name_ = "coordination-" + std::to_string(getpid()) + "-" + std::to_string(++runs);
-    write_text(scratch_ / "experiment.json", experiment.canonical.dump());
-  }
-
-  const experiment::Experiment experiment = experiment::parse(experiment_text, "test");
-
-  [[nodiscard]] std::filesystem::path results() const { return scratch_ / "results"; }
-
-  std::unique_ptr<Command> start(const std::string& program, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{program,
-                                       "--run",
-                                       name_,
-                                       "--domain",
-                                       test_domain(),
-                                       "--log-dir",
-                                       (scratch_ / "log").string(),
-                                       "--results",
-                                       results().string(),
-                                       "--experiment",
-                                       (scratch_ / "experiment.json").string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return std::make_unique<Command>(arguments);
-  }
-
-  [[nodiscard]] FakeWorker worker(const std::string& name) const {
-    return FakeWorker(experiment, name_, std::stoi(test_domain()), name);
-  }
-
-  [[nodiscard]] bus::BusOptions place(const std::string& process) const {
-    return {.run = name_, .worker = "", .process = process, .domain = std::stoi(test_domain())};
-  }
-
-  [[nodiscard]] std::string log(const std::string& program) const {
-    return read_text(scratch_ / "log" / (program + ".log"));
-  }
-
-  /// What the results must be, made without any process.
-  [[nodiscard]] std::string expected_digest() const {
-    auto store = store::ResultStore::open_for_writing(scratch_ / "expected", experiment);
-    store.batch([&] {
-      for (const auto& key : all_flights(experiment)) store.add(key, synthetic_trace(experiment, key));
-    });
-    return store.digest();
-  }
-
-  void check_results() const {
-    const auto store = store::ResultStore::open_for_reading(results());
-    CHECK(store.keys().size() == flights_total);
-    CHECK(store.digest() == expected_digest());
-  }
-
- private:
-  ScratchDir scratch_;
-  std::string name_;
-};
-
-template <class Condition>
-void pump_until(std::vector<FakeWorker*> workers, const Condition& done, std::chrono::seconds limit = 20s) {
-  limit *= aloft::test::slowdown;
-  const auto deadline = std::chrono::steady_clock::now() + limit;
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > deadline) FAIL("not done after " << limit.count() << " s");
-    for (FakeWorker* worker : workers) worker->pump();
-    std::this_thread::sleep_for(2ms);
-  }
-  for (FakeWorker* worker : workers) worker->pump();  // what came last
-}
-
-/// Not more flights than that: the run goes on afterwards, however late the confirmations come.
-void pump_until_confirmed(FakeWorker& worker, std::size_t flights) {
-  pump_until({&worker}, [&] {
-    if (worker.flown().size() >= flights) worker.behaviour.flights_per_pump = 0;
-    return worker.confirmations() >= flights;
-  });
-}
-
-int times_flown(const FakeWorker& worker) {
-  int flights = 0;
-  for (const auto& [key, times] : worker.flown()) flights += times;
-  return flights;
-}
-
 /// The answer of the collector's HTTP server, whose port stands in its log.
-std::optional<std::string> http_get(const Run& run, const std::string& path) {
+std::optional<std::string> http_get(const CoordinatedRun& run, const std::string& path) {
   std::smatch found;
   const std::string log = run.log("aloft-metrics");
   if (!std::regex_search(log, found, std::regex("http://127.0.0.1:([0-9]+)/"))) return std::nullopt;
@@ -129,7 +34,7 @@ std::optional<std::string> http_get(const Run& run, const std::string& path) {
 }  // namespace
 
 TEST_CASE("the experiment is offered again and again, for who lost the offer to a stranger's", "[coordinator]") {
-  const Run run;
+  const CoordinatedRun run;
   const bus::Participant observer(run.place("observer"));
   bus::Reader<wire::RunControl> controls(observer);
   const auto coordinator = run.start("aloft-coordinator");
@@ -147,7 +52,7 @@ TEST_CASE("the experiment is offered again and again, for who lost the offer to 
 }
 
 TEST_CASE("two workers, every record twice, one of another experiment: all flights once", "[coordinator][metrics]") {
-  const Run run;
+  const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics", {"--http-port", "0"});
   const auto coordinator = run.start("aloft-coordinator", {"--trial-order", "shuffled"});
   FakeWorker w0 = run.worker("w0");
@@ -180,7 +85,7 @@ TEST_CASE("two workers, every record twice, one of another experiment: all fligh
 }
 
 TEST_CASE("coordinator and collector are killed again and again: the same results", "[coordinator][metrics]") {
-  const Run run;
+  const CoordinatedRun run;
   auto metrics = run.start("aloft-metrics");
   auto coordinator = run.start("aloft-coordinator");
   FakeWorker worker = run.worker("w0");
@@ -215,7 +120,7 @@ TEST_CASE("killed at any moment, coordinator and collector go on; at most one tr
   const int moments = effort(4, 50);
   for (const char* victim : {"aloft-coordinator", "aloft-metrics"})
     for (int moment = 0; moment < moments; ++moment) {
-      const Run run;
+      const CoordinatedRun run;
       std::map<std::string, std::unique_ptr<Command>> processes;
       for (const char* program : {"aloft-metrics", "aloft-coordinator"}) processes[program] = run.start(program);
       FakeWorker w0 = run.worker("w0");
@@ -242,7 +147,7 @@ TEST_CASE("killed at any moment, coordinator and collector go on; at most one tr
 }
 
 TEST_CASE("a silent worker's trials go to another; its late results do no harm", "[coordinator]") {
-  const Run run;
+  const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator", {"--heartbeat-timeout", "0.6"});
   FakeWorker w0 = run.worker("w0");
@@ -261,7 +166,7 @@ TEST_CASE("a silent worker's trials go to another; its late results do no harm",
 }
 
 TEST_CASE("a trial that fails everywhere is reported after the rest is done", "[coordinator]") {
-  const Run run;
+  const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   FakeWorker worker = run.worker("w0");
   worker.behaviour.failing = {{1, 3}};
@@ -286,7 +191,7 @@ TEST_CASE("a trial that fails everywhere is reported after the rest is done", "[
 }
 
 TEST_CASE("a record that can never be stored is answered with the reason", "[metrics]") {
-  const Run run;
+  const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   FakeWorker worker = run.worker("w0");
   pump_until({&worker}, [&] {
@@ -299,7 +204,7 @@ TEST_CASE("a record that can never be stored is answered with the reason", "[met
 }
 
 TEST_CASE("two different results of one flight stop the run loudly", "[coordinator][metrics]") {
-  const Run run;
+  const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");
   FakeWorker worker = run.worker("w0");
@@ -316,7 +221,7 @@ TEST_CASE("two different results of one flight stop the run loudly", "[coordinat
 }
 
 TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
-  const Run run;
+  const CoordinatedRun run;
   FakeWorker worker = run.worker("w0");
   {
     const auto metrics = run.start("aloft-metrics");
@@ -339,7 +244,7 @@ TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
 }
 
 TEST_CASE("a run without workers says so, and gives up if told to", "[coordinator]") {
-  const Run run;
+  const CoordinatedRun run;
   const auto coordinator = run.start("aloft-coordinator", {"--give-up-after", "4.6"});
   const Finished finished = coordinator->wait(30s);
   CHECK(finished.exit_code == 1);
@@ -347,7 +252,7 @@ TEST_CASE("a run without workers says so, and gives up if told to", "[coordinato
 }
 
 TEST_CASE("what cannot work is refused with exit code 2", "[coordinator][metrics]") {
-  const Run run;
+  const CoordinatedRun run;
   for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
     const Finished finished =
         run_command({program, "--results", run.results().string(), "--experiment", "/nonexistent.json"}, 30s);
@@ -357,7 +262,7 @@ TEST_CASE("what cannot work is refused with exit code 2", "[coordinator][metrics
     const Finished unknown = run.start(program, {"--no-such-option"})->wait(30s);
     CHECK(unknown.exit_code == 2);
   }
-  experiment::Experiment other = experiment::parse(experiment_text, "test", {{}, {}, 5, {}});
+  experiment::Experiment other = experiment::parse(coordination_text, "test", {{}, {}, 5, {}});
   (void)store::ResultStore::open_for_writing(run.results(), other);
   for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
     const Finished finished = run.start(program)->wait(30s);

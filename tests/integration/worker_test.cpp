@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "common/base/digest.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
@@ -100,6 +101,7 @@ class Scene {
     wire::RunControl message;
     message.experiment_id(wire::experiment_id(experiment_.id));
     message.state(state);
+    message.collector().incarnation(collector_);
     message.experiment_json(wire::bytes(experiment_.canonical.dump()));
     controls_.write(message);
   }
@@ -144,7 +146,8 @@ class Scene {
     message.condition(record.condition());
     message.trial(record.trial());
     message.agent(record.agent());
-    message.digest(std::string(64, '0'));
+    message.digest(wire::name(sha256_hex(wire::view(record.trace()))));
+    message.collector(collector_);
     stored_.write(message);
   }
 
@@ -172,6 +175,7 @@ class Scene {
 
  private:
   static inline int scenes = 0;
+  static constexpr std::uint64_t collector_ = 4711;
   std::uint64_t last_lease_ = 100;
   bus::Participant participant_{place_};
   bus::Writer<wire::RunControl> controls_{participant_};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <thread>
 
 #include "common/base/cores.hpp"
@@ -24,6 +25,16 @@ namespace {
 
 // Coordinator, collector, discovery server and this process beside four of each worker.
 constexpr unsigned max_workers = (bus::max_processes - 4) / 4;
+
+/// Whoever says that a run is complete: what counts lies in the database.
+bool all_there(const std::filesystem::path& dir, std::vector<std::string>& failures) {
+  const auto results = store::ResultStore::open_for_reading(dir);
+  const store::Shortfall missing = store::shortfall(results);
+  if (missing.flights > 0)
+    failures.push_back(
+        fmt::format("in '{}' {}; the same command flies them", dir.string(), missing.text(results.experiment())));
+  return missing.flights == 0;
+}
 
 /// Returns true if every flight is stored; what failed for good is added to `failures`.
 bool fly_missing(const experiment::Experiment& experiment, const std::filesystem::path& dir,
@@ -51,6 +62,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
                          .shuffled = options.shuffled,
                          .place = options.bus};
     complete = run_local(local, experiment, progress, interrupted, failures);
+    if (complete) complete = all_there(dir, failures);
   }
   progress.finish();
   return complete;
@@ -114,6 +126,8 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
   const std::atomic<bool>& interrupted = note_interrupts();
   for (const experiment::Warning& warning : experiment::warnings(experiment))
     fmt::print(stderr, "warning: {}\n", warning.text);
+  std::optional<RunName> name;
+  if (!options.in_process && !options.bus.run.empty()) name.emplace(options.bus, interrupted);
   std::vector<std::string> failures;
   const bool complete = fly_missing(experiment, dir, options, interrupted, failures);
   for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", plain_text(line));

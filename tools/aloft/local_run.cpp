@@ -6,9 +6,12 @@
 #include <optional>
 #include <sstream>
 
+#include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/network.hpp"
 #include "common/bus/waiter.hpp"
+#include "services/runtime/sole_coordinator.hpp"
 #include "tools/aloft/processes.hpp"
 
 namespace aloft::cli {
@@ -17,6 +20,7 @@ namespace {
 constexpr std::chrono::milliseconds poll_period{100};
 constexpr std::chrono::milliseconds stop_limit{4000};
 constexpr std::chrono::milliseconds finish_limit{2000};
+constexpr std::chrono::milliseconds look_around{500};
 
 void add_services(Processes& processes, const LocalRun& run) {
   const std::vector<std::string> results{"--results", run.dir.string(), "--experiment",
@@ -29,7 +33,9 @@ void add_services(Processes& processes, const LocalRun& run) {
     }
   }
   processes.add("aloft-metrics", results);
+  // Who made up the name of a run, or has looked around itself, need not wait for others.
   std::vector<std::string> coordinator = results;
+  coordinator.insert(coordinator.end(), {"--look-around", "0"});
   coordinator.insert(coordinator.end(), {"--fail-fast", std::to_string(run.fail_fast)});
   if (run.shuffled) coordinator.insert(coordinator.end(), {"--trial-order", "shuffled"});
   processes.add_decider("aloft-coordinator", coordinator);
@@ -56,7 +62,23 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+/// Why a process ended: what comes after its name in the last line that it wrote.
+std::string last_words(const std::filesystem::path& errors, const std::string& program) {
+  const std::vector<std::string> lines = lines_of(read_file(errors));
+  const std::string line = lines.empty() ? "" : lines.back();
+  const std::size_t at = line.find(program + ": ");
+  return at == std::string::npos ? line : line.substr(at + program.size() + 2);
+}
+
 }  // namespace
+
+RunName::RunName(const bus::BusOptions& place, const std::atomic<bool>& interrupted)
+    : claim_(place.run, place.domain, "run") {
+  bus::BusOptions here = place;
+  here.process = "aloft";
+  const bus::Participant participant(here);
+  (void)runtime::SoleCoordinator(participant).take(claim_, look_around, [&interrupted] { return interrupted.load(); });
+}
 
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures) {
@@ -86,6 +108,8 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
   for (const std::string& name : processes.stop(interrupted ? stop_limit : finish_limit))
     progress.note(fmt::format("{} did not stop in time and was killed", name));
   const std::optional<int> coordinator_exit = processes.decision();
+  if (coordinator_exit == exit_bad_input)
+    throw InputError(last_words(run.dir / "log" / "aloft-coordinator.err", "aloft-coordinator"));
   if (coordinator_exit && *coordinator_exit != 0) {
     failures = lines_of(last.message().to_string());
     if (failures.empty())

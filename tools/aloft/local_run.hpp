@@ -7,6 +7,7 @@
 
 #include "common/bus/participant.hpp"
 #include "common/experiment/experiment.hpp"
+#include "services/runtime/run_claim.hpp"
 #include "tools/aloft/progress.hpp"
 
 namespace aloft::cli {
@@ -22,9 +23,21 @@ struct LocalRun {
   bus::BusOptions place;  ///< an empty `run`: one of its own, so that runs on one machine do not hear each other
 };
 
+/// The name of a run that users gave, and may have given twice: held as long as this object lives.
+class RunName {
+ public:
+  /// Listens for a moment. InputError, naming the other one, if the run is coordinated already, on this machine or on
+  /// another one that is heard. Nothing has been written then.
+  RunName(const bus::BusOptions& place, const std::atomic<bool>& interrupted);
+
+ private:
+  runtime::RunClaim claim_;
+};
+
 /// Of a secured run the keys have been checked. Starts metrics, coordinator and workers, and the discovery server if
 /// its address is one of this machine; restarts what dies, shows progress, and ends them all. Returns true if every
 /// flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
+/// InputError if the coordinator refuses to work.
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 

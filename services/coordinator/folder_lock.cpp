@@ -1,0 +1,77 @@
+#include "services/coordinator/folder_lock.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
+#include "common/store/result_store.hpp"
+
+namespace aloft::coordinator {
+
+FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, std::chrono::milliseconds patience)
+    : folder_(std::move(folder)), file_(folder_ / store::coordinator_lock_name) {
+  std::error_code failed;
+  made_folder_ = std::filesystem::create_directories(folder_, failed);
+  const auto give_up = std::chrono::steady_clock::now() + patience;
+  while (!take()) {
+    if (std::chrono::steady_clock::now() >= give_up)
+      throw InputError(
+          fmt::format("the folder '{}' has a coordinator already: {}; stop that one, or use another folder",
+                      folder_.string(), holder()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  write(self);
+}
+
+FolderLock::~FolderLock() {
+  std::error_code ignored;
+  if (fd_ >= 0) {
+    std::filesystem::remove(file_, ignored);  // while it is locked: nobody else can have taken it
+    ::close(fd_);
+  }
+  if (made_folder_) ::rmdir(folder_.c_str());  // if there is nothing in it
+}
+
+/// False if another process has it. The file may be removed by its last holder just before we lock it, so that what we
+/// lock is no longer what others would find: then once more.
+bool FolderLock::take() {
+  for (;;) {
+    fd_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (fd_ < 0) return true;
+    if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+      const bool taken = errno == EWOULDBLOCK;
+      ::close(fd_);
+      fd_ = -1;
+      return !taken;
+    }
+    struct stat ours {};
+    struct stat theirs {};
+    if (::fstat(fd_, &ours) == 0 && ::stat(file_.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino &&
+        ours.st_dev == theirs.st_dev)
+      return true;
+    ::close(fd_);
+  }
+}
+
+void FolderLock::write(const ProcessName& self) const {
+  const std::string text = to_text(self, "aloft-coordinator") + "\n";
+  if (fd_ >= 0 && ::ftruncate(fd_, 0) == 0) (void)!::write(fd_, text.data(), text.size());
+}
+
+std::string FolderLock::holder() const {
+  std::string line;
+  std::getline(std::ifstream(file_), line);
+  return line.empty() ? "another process" : plain_text(line);
+}
+
+}  // namespace aloft::coordinator

@@ -30,8 +30,14 @@ function agentAxis(data, names) {
   return {field: 'agent', type: 'nominal', sort, scale: {domain: sort}, axis: {title: null, ticks: false, domain: false, grid: false, labelExpr: markedLabel(data)}};
 }
 
+/** A layer of the rows for which `has` holds; none at all if there are none, for Vega complains about empty ones. */
+function layerOf(rows, has, layer) {
+  const some = rows.filter(has);
+  return some.length > 0 ? [{data: {values: some}, ...layer}] : [];
+}
+
 /** Of one trial, or where all gave the same, there is no interval: such a row has no bar. */
-const intervalKnown = [{filter: 'isValid(datum.low)'}];
+const intervalKnown = (row) => row.low !== null;
 
 function ends(pair) {
   return {low: pair?.[0] ?? null, high: pair?.[1] ?? null};
@@ -57,7 +63,7 @@ export function boxPlot(data, condition, context) {
     agent: agent.name, low: agent.whiskers[0], q25: agent.q25, median: agent.median, q75: agent.q75, high: agent.whiskers[1],
     mean: agent.mean, ci: interval(agent.ci95), trials: agent.trials, privileged: isPrivileged(data, agent.name),
   }));
-  const several = [{filter: 'datum.trials > 1'}];  // one value has no quartiles
+  const several = (row) => row.trials > 1;  // one value has no quartiles
   const outliers = agents.flatMap((agent) => agent.outliers.map((qos) => ({agent: agent.name, qos})));
   const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
   const y = agentAxis(data, names);
@@ -73,9 +79,9 @@ export function boxPlot(data, condition, context) {
     height: 26 * rows.length,
     data: {values: rows},
     layer: [
-      {transform: several, mark: {type: 'rule', strokeWidth: 1.4}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
-      {transform: several, mark: {type: 'bar', height: 15, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, fill: hollowFill(colour, surface), fillOpacity: {condition: {test: 'datum.privileged', value: 1}, value: 0.55}, stroke: colour, tooltip}},
-      {transform: several, mark: {type: 'tick', thickness: 2.4, size: 15, color: surface.ink}, encoding: {y, x: x('median'), tooltip}},
+      ...layerOf(rows, several, {mark: {type: 'rule', strokeWidth: 1.4}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}}),
+      ...layerOf(rows, several, {mark: {type: 'bar', height: 15, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, fill: hollowFill(colour, surface), fillOpacity: {condition: {test: 'datum.privileged', value: 1}, value: 0.55}, stroke: colour, tooltip}}),
+      ...layerOf(rows, several, {mark: {type: 'tick', thickness: 2.4, size: 15, color: surface.ink}, encoding: {y, x: x('median'), tooltip}}),
       {mark: {type: 'point', shape: 'diamond', size: 42, filled: true, color: surface.background, stroke: surface.ink, strokeWidth: 1.2, opacity: 1}, encoding: {y, x: x('mean'), tooltip}},
       {data: {values: outliers}, mark: {type: 'point', size: 14, filled: true, opacity: 0.6}, encoding: {y, x: x('qos'), color: colour}},
     ],
@@ -102,7 +108,7 @@ export function gainChart(data, condition, context) {
     data: {values: rows},
     layer: [
       {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surfaces[context.theme].soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
-      {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+      ...layerOf(rows, intervalKnown, {mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}}),
       {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: hollowFill(colour, surfaces[context.theme]), tooltip}},
     ],
   };
@@ -150,9 +156,9 @@ export function meanHeightChart(data, experiment, context) {
     data: {values},
     layer: [
       {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {x, y: y('height'), ...encoding}},
-      {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}},
-      {transform: [{filter: '!datum.privileged'}], mark: {type: 'point', filled: true, size: 55}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}},
-      {transform: [{filter: 'datum.privileged'}], mark: {type: 'point', filled: false, fill: surfaces[context.theme].background, size: 50, strokeWidth: 2}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}},
+      ...layerOf(values, intervalKnown, {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}}),
+      ...layerOf(values, (row) => !row.privileged, {mark: {type: 'point', filled: true, size: 55}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}}),
+      ...layerOf(values, (row) => row.privileged, {mark: {type: 'point', filled: false, fill: surfaces[context.theme].background, size: 50, strokeWidth: 2}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}}),
     ],
   };
 }
@@ -185,7 +191,7 @@ export function energyChart(data, condition, context) {
     data: {values: rows},
     layer: [
       {data: {values: paretoFront(rows.filter((row) => !row.privileged))}, mark: {type: 'line', interpolate: 'step-after', strokeDash: [4, 3], strokeWidth: 1.4, color: surface.soft}, encoding: {x, y: y('qos'), order: {field: 'energy'}}},
-      {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: colour}},
+      ...layerOf(rows, intervalKnown, {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: colour}}),
       {mark: {type: 'point', size: 75, strokeWidth: 2, opacity: 1}, encoding: {x, y: y('qos'), color: colour, fill: hollowFill(colour, surface), tooltip}},
       {mark: {type: 'text', align: 'left', dx: 8, dy: -6, fontSize: 11, color: surface.ink}, encoding: {x, y: y('qos'), text: {field: 'shown'}}},
     ],
@@ -240,7 +246,7 @@ export function gainsOverview(data, experiment, context) {
       height: 20 * names.length,
       layer: [
         {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surface.soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
-        {transform: intervalKnown, mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}},
+        ...(rows.some(intervalKnown) ? [{transform: [{filter: 'isValid(datum.low)'}], mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}}] : []),
         {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: hollowFill(colour, surface), tooltip}},
       ],
     },

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bench/pinned_process.hpp"
+#include "common/base/digest.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
@@ -25,6 +26,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t warm_up_flights = 100;
+constexpr std::uint64_t collector = 1;  // as which this program confirms flights
 constexpr const char* agents_text = R"(["min-height", "constant-60", "constant-120", "random-walk", "one-step-ahead",
                                         "optimal-height", "planner"])";
 

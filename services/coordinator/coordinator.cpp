@@ -66,7 +66,7 @@ void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
     case Namesakes::Verdict::alone:
       break;
     case Namesakes::Verdict::doubled:
-      trouble(namesakes_.text(now), now);
+      spdlog::warn("{}", namesakes_.text(now));  // the status says so as long as it lasts
       return hold_back(news);
     case Namesakes::Verdict::held_back:
       return hold_back(news);

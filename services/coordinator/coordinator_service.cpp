@@ -38,7 +38,6 @@ constexpr auto absence_time = 5s;                 // for the absent to come back
 constexpr auto absent_patience = 10s;             // whoever is silent for longer is not waited for
 constexpr auto database_time = 10s;               // for the collector to make the database
 constexpr auto reread_delay = 1s;                 // until both sides of a new connection know each other
-constexpr auto predecessor_time = 2s;             // for a coordinator of the same folder that is just ending
 constexpr auto rival_time = 500ms;                // between two answers to another coordinator
 constexpr auto count_time = 10s;                  // for a collector on another host to say how much it has stored
 constexpr std::uint32_t reread_flights = 5000;    // at a time: some 20 ms
@@ -404,7 +403,7 @@ class Conversation {
 void coordinate(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
       experiment::parse(read_file(options.experiment), options.experiment.string());
-  const FolderLock lock(options.results, this_process(), predecessor_time);
+  const FolderLock lock(options.results, this_process(), {}, [&service] { return service.stop.requested(); });
   Conversation(service, options, experiment).run();
 }
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,16 +19,21 @@
 
 namespace aloft::coordinator {
 
-FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, std::chrono::milliseconds patience)
+FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, const LockPatience& patience,
+                       const std::function<bool()>& stopped)
     : folder_(std::move(folder)), file_(folder_ / store::coordinator_lock_name) {
-  std::error_code failed;
-  made_folder_ = std::filesystem::create_directories(folder_, failed);
-  const auto give_up = std::chrono::steady_clock::now() + patience;
-  while (!take()) {
-    if (std::chrono::steady_clock::now() >= give_up)
+  const auto start = std::chrono::steady_clock::now();
+  for (bool told = false; !take();) {
+    const std::string other = holder();
+    const bool is_here = other.find(" on host " + self.host + " (") != std::string::npos;
+    const auto limit = is_here ? patience.here : patience.elsewhere;
+    if (std::chrono::steady_clock::now() - start >= limit || stopped())
       throw InputError(
           fmt::format("the folder '{}' has a coordinator already: {}; stop that one, or use another folder",
-                      folder_.string(), holder()));
+                      folder_.string(), other));
+    if (!is_here && !std::exchange(told, true))
+      spdlog::warn("waits for the folder '{}', at most {} s: it has a coordinator, {}", folder_.string(),
+                   std::chrono::ceil<std::chrono::seconds>(limit).count(), other);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   write(self);
@@ -42,11 +48,14 @@ FolderLock::~FolderLock() {
   if (made_folder_) ::rmdir(folder_.c_str());  // if there is nothing in it
 }
 
-/// False if another process has it. The file may be removed by its last holder just before we lock it, so that what we
-/// lock is no longer what others would find: then once more.
+/// False if another process has it. The file may be removed by its last holder just before we lock it (and the folder,
+/// if that is empty), so that what we lock is no longer what others would find: then once more.
 bool FolderLock::take() {
   for (;;) {
+    std::error_code failed;
+    made_folder_ = std::filesystem::create_directories(folder_, failed) || made_folder_;
     fd_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (fd_ < 0 && errno == ENOENT && !failed) continue;
     if (fd_ < 0) return true;
     if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
       const bool taken = errno == EWOULDBLOCK;

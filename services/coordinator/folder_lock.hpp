@@ -2,19 +2,29 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "common/base/process_name.hpp"
 
 namespace aloft::coordinator {
 
+/// How long a coordinator waits for another one to give a folder back.
+struct LockPatience {
+  std::chrono::milliseconds here{2'000};  ///< a process of this machine that is just ending
+  /// A process of another machine: if that has died, a network file system notices it only after a while.
+  std::chrono::milliseconds elsewhere{120'000};
+};
+
 /// One coordinator at a time works with a result folder. A file in the folder is locked and says who it is; it is gone
 /// when the lock is given back, and free as soon as its process is dead.
 class FolderLock {
  public:
-  /// Waits so long for a coordinator that is just ending. InputError, naming the other one, if it stays; where files
-  /// cannot be written or locked, nobody is refused.
-  FolderLock(std::filesystem::path folder, const ProcessName& self, std::chrono::milliseconds patience);
+  /// Waits for another coordinator that is ending, but no longer than until `stopped`. InputError, naming the other
+  /// one, if it stays; where files cannot be written or locked, nobody is refused.
+  FolderLock(
+      std::filesystem::path folder, const ProcessName& self, const LockPatience& patience = {},
+      const std::function<bool()>& stopped = [] { return false; });
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;

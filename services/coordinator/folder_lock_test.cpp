@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
@@ -36,30 +37,45 @@ class Folder {
 };
 
 const ProcessName alpha{7, "alpha", 5217, 1'795'355'110};
-const ProcessName beta{8, "beta", 34, 1'795'355'111};
+const ProcessName beta{8, "alpha", 34, 1'795'355'111};
+const ProcessName far{9, "gamma", 2, 1'795'355'112};
+const LockPatience none{0ms, 0ms};
 
 }  // namespace
 
 TEST_CASE("a folder has one coordinator, and the second is told who it is") {
   const Folder folder;
   {
-    const FolderLock first(folder / "out", alpha, 0ms);
+    const FolderLock first(folder / "out", alpha, none);
     CHECK_THROWS_WITH(
-        FolderLock(folder / "out", beta, 30ms),
+        FolderLock(folder / "out", beta, {30ms, 1h}),
         Contains("has a coordinator already: aloft-coordinator on host alpha (process 5217, since 2026-"));
-    CHECK_NOTHROW(FolderLock(folder / "other", beta, 0ms));
+    CHECK_NOTHROW(FolderLock(folder / "other", beta, none));
   }
   CHECK_FALSE(fs::exists(folder / "out"));  // which the lock had made, and nobody used
-  CHECK_NOTHROW(FolderLock(folder / "out", beta, 0ms));
+  CHECK_NOTHROW(FolderLock(folder / "out", beta, none));
 }
 
 TEST_CASE("a lock leaves nothing of its own in a folder with results") {
   const Folder folder;
   fs::create_directories(folder / "out");
   std::ofstream(folder / "out" / "results.sqlite").put('x');
-  { const FolderLock lock(folder / "out", alpha, 0ms); }
+  { const FolderLock lock(folder / "out", alpha, none); }
   CHECK(fs::exists(folder / "out" / "results.sqlite"));
   CHECK_FALSE(fs::exists(folder / "out" / "coordinator.lock"));
+}
+
+TEST_CASE("a coordinator on another machine may be dead, and its lock last a while") {
+  const Folder folder;
+  auto first = std::make_unique<FolderLock>(folder / "out", alpha, none);
+  CHECK_THROWS_WITH(FolderLock(folder / "out", far, {0ms, 60ms}), Contains("on host alpha (process 5217"));
+  CHECK_THROWS_AS(FolderLock(folder / "out", far, {0ms, 1h}, [] { return true; }), InputError);
+  int asked = 0;
+  CHECK_NOTHROW(FolderLock(folder / "out", far, {0ms, 1h}, [&] {
+    if (++asked == 3) first.reset();
+    return false;
+  }));
+  CHECK(asked == 3);
 }
 
 TEST_CASE("a coordinator that was killed locks nobody out") {
@@ -68,15 +84,15 @@ TEST_CASE("a coordinator that was killed locks nobody out") {
   REQUIRE(pipe(ready) == 0);
   const pid_t child = fork();
   if (child == 0) {
-    const FolderLock lock(folder / "out", alpha, 0ms);
+    const FolderLock lock(folder / "out", alpha, none);
     (void)!write(ready[1], "y", 1);
     pause();
   }
   char locked = 0;
   REQUIRE(read(ready[0], &locked, 1) == 1);
-  CHECK_THROWS_AS(FolderLock(folder / "out", beta, 0ms), InputError);
+  CHECK_THROWS_AS(FolderLock(folder / "out", beta, none), InputError);
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
   CHECK(fs::exists(folder / "out" / "coordinator.lock"));
-  CHECK_NOTHROW(FolderLock(folder / "out", beta, 0ms));
+  CHECK_NOTHROW(FolderLock(folder / "out", beta, none));
 }

@@ -28,10 +28,10 @@ Namesakes::Verdict Namesakes::hear(std::string_view worker, const Voice& voice, 
   else
     known->heard = voice.heard;
   name.last = voice.incarnation;
-  if (name.voices.size() == 1) name.doubled = false;
-  if (name.doubled) return Verdict::held_back;
-  name.doubled = speaks_again;
-  return speaks_again ? Verdict::doubled : Verdict::alone;
+  const bool was_doubled = name.doubled;
+  name.doubled = name.voices.size() > 1 && (was_doubled || speaks_again);
+  if (!name.doubled) return Verdict::alone;
+  return was_doubled ? Verdict::held_back : Verdict::doubled;
 }
 
 std::string Namesakes::text(Clock::time_point now) const {

@@ -40,7 +40,8 @@ TEST_CASE("two workers of one name are held back and named, until one of them is
         "2 workers are called w0: on host alpha (process 12) and on host beta (process 34); none of them gets trials "
         "until the others end");
   CHECK(names.hear("w1", beta(1s), false) == Verdict::alone);
-  SECTION("because it leaves") {
+  SECTION("because it leaves, and was the last to speak") {
+    CHECK(names.hear("w0", beta(1050ms), false) == Verdict::held_back);
     CHECK(names.hear("w0", beta(1100ms), true) == Verdict::other_left);
     CHECK(names.hear("w0", alpha(1200ms), false) == Verdict::alone);
   }

@@ -52,7 +52,7 @@ TEST_CASE("JSON nested too deep is refused with the place and the limit, whereve
   const std::string deep(200'000, '[');
   const std::string limit = "nested more than 32 deep";
   CHECK_THAT(refused(with("\"random-walk\"", "\n" + deep)).err,
-             Contains("experiment.json: line 6, column 33: ") && Contains(limit));
+             Contains("experiment.json: line 7, column 31: ") && Contains(limit));
   CHECK_THAT(refused(with("200", deep + std::string(deep.size(), ']'))).err, Contains(limit));
   const std::string shallow = std::string(100, '[') + std::string(100, ']');
   CHECK_THAT(refused(small_experiment, {"--set", "world.steps=" + shallow}).err, Contains("--set") && Contains(limit));

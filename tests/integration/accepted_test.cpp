@@ -6,6 +6,7 @@
 #include <random>
 
 #include "common/base/limits.hpp"
+#include "tests/faults/effort.hpp"
 #include "tests/integration/command.hpp"
 #include "tests/limits/random_experiment.hpp"
 
@@ -45,22 +46,24 @@ TEST_CASE("random experiments that are accepted fly in process and over DDS with
   const ScratchDir scratch;
   const std::uint64_t first = std::random_device()();
   int flown = 0;
-  for (std::uint64_t seed = first; flown < 3; ++seed) {
+  for (std::uint64_t seed = first; flown < effort(3, 100); ++seed) {
     INFO("seed " << seed);
-    REQUIRE(seed < first + 100);
+    REQUIRE(seed < first + 30 * effort(3, 100));
     if (flies(random_experiment(seed, scratch.path(), true).json, scratch)) ++flown;
   }
 }
 
 TEST_CASE("experiments at the limits fly in process and over DDS with the same bytes") {
   const ScratchDir scratch;
-  const std::string csv = (scratch / "finest.csv").string();
+  const std::string csv = (scratch / "flight.csv").string();
+  const int steps = effort(10, limits::steps);
+  const int heights = effort(1000, limits::cells / limits::steps);
   {
-    std::ofstream finest(csv);
-    finest << "step,height_m,throughput_kbps\n";
-    for (int step = 1; step <= 10; ++step)
-      for (int level = 0; level < 1000; ++level)
-        finest << fmt::format("{},{},{}\n", step, 9'000 + 0.001 * level,
+    std::ofstream flight(csv);
+    flight << "step,height_m,throughput_kbps\n";
+    for (int step = 1; step <= steps; ++step)
+      for (int level = 0; level < heights; ++level)
+        flight << fmt::format("{},{},{}\n", step, 9'000 + 0.001 * level,
                               (step * 7 + level * 13) % 97 == 0 ? 32'000'000 : 10 * ((step * level) % 5'000));
   }
   const nlohmann::json measured{{"kind", "measured"}, {"file", csv}};

@@ -58,7 +58,7 @@ class Swap {
       if (Clock::now() >= limit) return false;
       waiter_.wait(std::chrono::milliseconds(100));
       workers_.drain([this](const wire::WorkerStatus& status) {
-        if (status.capacity() > 0) seen_.insert(std::string(wire::view(status.worker())));
+        if (status.capacity() > 0) seen_.insert(plain_text(wire::view(status.worker())));
       });
       replies_.drain([this](const wire::SwapReply& reply) {
         if (reply.request_id() == request_.request_id()) reply_ = reply;

@@ -18,6 +18,7 @@
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
+#include "services/runtime/help_format.hpp"
 #include "services/runtime/plain_log.hpp"
 #include "services/runtime/standstill_watch.hpp"
 
@@ -124,6 +125,7 @@ int run_service(int argc, char** argv, const ServiceInfo& info, const std::funct
                 const std::function<void(Service&)>& run) {
   open_first_log(info.name);
   CLI::App app(info.description, info.name);
+  app.formatter(std::make_shared<HelpFormatter>());
   CommonOptions options;
   declare(app, options, info);
   if (add_options) add_options(app);

@@ -132,6 +132,10 @@ TEST_CASE("an experiment file that is not there is refused") {
   const Finished finished = run_command({"aloft", "run", "no-such-file.json"});
   CHECK(finished.exit_code == 2);
   CHECK_THAT(finished.err, Contains("no-such-file.json"));
+  const Finished misspelt = run_command({"aloft", "validate", "quik"});
+  CHECK(misspelt.exit_code == 2);
+  CHECK_THAT(misspelt.err, Contains("'quik' is no file here") && Contains("Did you mean 'quick'?") &&
+                               Contains("bs-density, building-density"));
 }
 
 TEST_CASE("a wrong flag or command is refused with the nearest valid one") {
@@ -166,7 +170,8 @@ TEST_CASE("results of another experiment are refused and left alone") {
   const std::string digest = run_command({"aloft", "digest", out}).out;
   const Finished other = run_command({"aloft", "run", experiment, "--in-process", "--out", out, "--seed", "4"});
   CHECK(other.exit_code == 2);
-  CHECK_THAT(other.err, Contains("seed") && Contains("--out"));
+  CHECK_THAT(other.err, Contains("holds the results of another experiment: seed is 3 there and 4 here. Name another "
+                                 "folder with --out"));
   CHECK(run_command({"aloft", "digest", out}).out == digest);
 }
 

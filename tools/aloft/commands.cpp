@@ -1,11 +1,13 @@
 #include "tools/aloft/commands.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/agents/registry.hpp"
 #include "common/base/plain_text.hpp"
 #include "common/experiment/experiment.hpp"
 #include "services/runtime/flag_checks.hpp"
+#include "tools/aloft/package_data.hpp"
 
 namespace aloft::cli {
 
@@ -20,11 +22,22 @@ CLI::Validator agent_name() {
 }
 
 CLI::Option& ExperimentOptions::add_to(CLI::App& command) {
-  CLI::Option* option = command.add_option("experiment", file, "Experiment file (JSON); data/experiments/ has some");
+  CLI::Option* option = command.add_option("experiment", file,
+                                           fmt::format("Experiment file (JSON), or the name of one that comes "
+                                                       "with Aloft: {}. Relative paths in the file count from its "
+                                                       "folder",
+                                                       fmt::join(package_experiments(), ", ")));
   option->required();
+  option->transform(CLI::Validator(
+      [](std::string& given) {
+        given = find_experiment(given).string();
+        return std::string();
+      },
+      ""));
   command
       .add_option("--set", overrides.set,
-                  "Override one value: json.path=value, e.g. world.bs_density_per_km2=5; repeatable")
+                  "Override one value: json.path=value, e.g. world.bs_density_per_km2=5; repeatable. Relative paths "
+                  "count from the working directory")
       ->expected(1)
       ->take_all();
   command.add_option("--agents", overrides.agents, "Agents instead of the file's, e.g. min-height,constant-120")

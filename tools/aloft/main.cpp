@@ -9,8 +9,10 @@
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
+#include "services/runtime/help_format.hpp"
 #include "services/runtime/plain_log.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/help.hpp"
 
 namespace {
 
@@ -60,6 +62,28 @@ int with_output_written(int exit_code) {
   return exit_code == aloft::exit_ok ? aloft::exit_failure : exit_code;
 }
 
+/// The commands in the order of the help.
+void add_commands(CLI::App& app, aloft::cli::Job& job) {
+  using namespace aloft::cli;
+  app.formatter(std::make_shared<aloft::runtime::HelpFormatter>());  // which the commands inherit
+  app.set_version_flag("--version", std::string(aloft::build_id()));
+  app.require_subcommand(1);
+  const auto add_group = [&](const char* heading, std::initializer_list<void (*)(CLI::App&, Job&)> commands) {
+    const std::size_t before = app.get_subcommands({}).size();
+    for (const auto add : commands) add(app, job);
+    const std::vector<CLI::App*> all = app.get_subcommands({});
+    for (std::size_t i = before; i < all.size(); ++i) all[i]->group(heading);
+  };
+  add_group("Fly experiments", {add_run, add_validate, add_tournament, add_reproduce});
+  add_group("Look at results", {add_report, add_compare, add_export, add_digest});
+  add_group("See what is there", {add_agents, add_inspect, add_status, add_doctor});
+  add_group("Several machines, and changes in mid-flight",
+            {add_coordinator, add_metrics, add_worker, add_swap, add_keys});
+  add_group("Data and models", {add_import_rdata, add_train});
+  add_group("Help", {add_help});
+  add_examples(app);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -71,29 +95,12 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.",
       "aloft"};
-  app.set_version_flag("--version", std::string(aloft::build_id()));
-  app.require_subcommand(1);
-  app.footer("Start with: aloft run data/experiments/quick.json");
   Job job;
-  add_run(app, job);
-  add_worker(app, job);
-  add_coordinator(app, job);
-  add_metrics(app, job);
-  add_reproduce(app, job);
-  add_status(app, job);
-  add_doctor(app, job);
-  add_keys(app, job);
-  add_swap(app, job);
-  add_tournament(app, job);
-  add_validate(app, job);
-  add_agents(app, job);
-  add_inspect(app, job);
-  add_export(app, job);
-  add_digest(app, job);
-  add_compare(app, job);
-  add_report(app, job);
-  add_import_rdata(app, job);
-  add_train(app, job);
+  add_commands(app, job);
+  if (argc <= 1) {
+    fmt::print(stderr, "{}", app.help());
+    return aloft::exit_bad_input;
+  }
   try {
     app.parse(argc, argv);
     return with_output_written(job());

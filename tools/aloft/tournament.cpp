@@ -11,6 +11,7 @@
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/local_experiment.hpp"
+#include "tools/aloft/package_data.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/tournament_table.hpp"
 
@@ -66,7 +67,9 @@ std::vector<experiment::Experiment> split(const Json& whole, std::uint32_t dqn_t
 
 /// Everything is resolved, and so checked, before anything is flown.
 std::vector<experiment::Experiment> experiments(const TournamentOptions& options) {
-  const Json cities = options.experiment.load().canonical;
+  ExperimentOptions chosen = options.experiment;
+  if (chosen.file.empty()) chosen.file = find_experiment("tournament");
+  const Json cities = chosen.load().canonical;
   std::vector<experiment::Experiment> all = split(cities, options.dqn_trials);
   for (const std::string& file : options.data)
     for (experiment::Experiment& part : split(over_measured(cities, file), options.dqn_trials))
@@ -148,9 +151,8 @@ void add_tournament(CLI::App& app, Job& job) {
   auto* command = app.add_subcommand(
       "tournament", "Fly all agents against each other; tables of gains over min-height, costs, and a report");
   auto options = std::make_shared<TournamentOptions>();
-  options->experiment.file = "data/experiments/tournament.json";
   options->experiment.add_to(*command);
-  command->get_option("experiment")->required(false)->capture_default_str();
+  command->get_option("experiment")->required(false)->default_str("tournament");
   command->add_option("--data", options->data, "A measured flight (CSV) that all agents fly as well; repeatable")
       ->expected(1)
       ->take_all();

@@ -13,8 +13,8 @@ endif()
 set(ALOFT_SANITIZE "" CACHE STRING "Sanitizers for our code: empty, address or thread")
 set_property(CACHE ALOFT_SANITIZE PROPERTY STRINGS "" address thread)
 
-# Instrumented code compiles about twice as fast at -O1, and again in one translation unit per target, because headers are
-# most of the work; assertions stay on there, to find more.
+# Instrumented code compiles about twice as fast at -O1, and libraries and programs again in one translation unit each,
+# because headers are most of the work; assertions stay on there, to find more.
 if(ALOFT_SANITIZE)
   set(CMAKE_CXX_FLAGS_RELEASE "-O1")
   set(CMAKE_UNITY_BUILD ON)

@@ -1,10 +1,15 @@
 #include "common/base/json_text.hpp"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
 #include <string>
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft;
 using Catch::Matchers::Contains;
@@ -30,6 +35,22 @@ std::string nested(std::size_t depth, const std::string& open, const std::string
 }
 
 }  // namespace
+
+TEST_CASE("no other function of ours reads JSON") {
+  const std::regex reads_json(R"([jJ]son::parse\s*\()");
+  int files = 0;
+  for (const char* folder : {"common", "services", "tools"})
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(test::source_dir() / folder)) {
+      const std::string name = entry.path().filename();
+      if (entry.path().extension() != ".cpp" || name.ends_with("_test.cpp") || name == "json_text.cpp") continue;
+      std::ifstream stream(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(stream), {}};
+      INFO(entry.path());
+      CHECK_FALSE(std::regex_search(text, reads_json));
+      ++files;
+    }
+  CHECK(files > 100);
+}
 
 TEST_CASE("keys keep their order") {
   CHECK(parse_json(R"({"b": 1, "a": [2, "ü"]})", "x").dump() == R"({"b":1,"a":[2,"ü"]})");

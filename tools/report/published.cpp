@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/base/json_text.hpp"
 #include "common/base/random.hpp"
 #include "tools/report/embedded.hpp"
 #include "tools/report/paper.hpp"
@@ -103,7 +104,7 @@ std::string why_undecided(const Estimate& ours, double tolerance) {
 }  // namespace
 
 const nlohmann::json& published() {
-  static const nlohmann::json values = nlohmann::json::parse(embedded_published());
+  static const nlohmann::json values = parse_json(embedded_published(), "the published values");
   return values;
 }
 

@@ -10,11 +10,20 @@ std::unique_ptr<Agent> refuse_external(const Parameters& /*parameters*/) {
       "process; run over DDS (without --in-process) and start your program with the agent's name");
 }
 
-const bool external_registered =
-    register_agent({.name = "external",
-                    .description = "A program of your own that answers over DDS with our IDL.",
-                    .foreign = true,
-                    .make = refuse_external});
+/// What it may be shown stands in the experiment, so that its results can be marked.
+std::vector<std::string> tier_names() {
+  std::vector<std::string> names;
+  for (const PrivilegeTier& tier : privilege_tiers()) names.emplace_back(tier.name);
+  return names;
+}
+
+const bool external_registered = register_agent(
+    {.name = "external",
+     .description = "A program of your own that answers over DDS with our IDL.",
+     .foreign = true,
+     .parameters = {choice_parameter("privilege", "none", tier_names(),
+                                     "What it may see beyond what the UAV reports; results are marked.")},
+     .make = refuse_external});
 
 }  // namespace
 }  // namespace aloft::agents

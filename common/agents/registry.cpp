@@ -177,7 +177,9 @@ Json AgentSpec::to_json() const {
 }
 
 Privilege AgentSpec::privilege() const {
-  Privilege highest = agent_type(type).privilege;
+  const AgentType& facts = agent_type(type);
+  if (facts.foreign) return privilege_tier(parameters.text("privilege")).privilege;
+  Privilege highest = facts.privilege;
   for (const CrewMember& member : crew) highest = std::max(highest, member.agent.privilege());
   return highest;
 }

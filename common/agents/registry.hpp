@@ -57,7 +57,7 @@ struct AgentSpec {
   [[nodiscard]] std::unique_ptr<Agent> make() const;
   /// As an entry of an experiment file that gives back the same agent.
   [[nodiscard]] nlohmann::json to_json() const;
-  /// Of a relay: the highest of its crew.
+  /// Of a relay: the highest of its crew. Of a foreign agent: what the experiment allows it.
   [[nodiscard]] Privilege privilege() const;
   /// 0: every flight starts afresh. k: the agent that flies trial t starts with the memory (Agent::save_state) with
   /// which it ended trial t - k of the same condition: k independent chains of flights.

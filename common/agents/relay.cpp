@@ -20,7 +20,7 @@ AgentSpec one_agent(const Json& entry, const std::string& where) {
                                  where, excerpt(entry.dump())));
   const AgentType& type = agent_type(specs.front().type);
   if (type.relay) throw InputError(fmt::format("{}: a relay cannot be part of a relay; list its crew here", where));
-  if (type.privilege != Privilege::none)
+  if (specs.front().privilege() != Privilege::none)
     throw InputError(
         fmt::format("{}: agent '{}' is privileged: it would have to be shown quality that nobody measured, in the "
                     "middle of a flight; use agents without privilege (see aloft agents)",

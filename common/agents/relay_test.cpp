@@ -59,6 +59,8 @@ TEST_CASE("a crew that cannot fly is refused with the reason and the place") {
   CHECK_THAT(with(R"({"agent": "random-walk", "form_step": 7})"), Contains("from_step"));
   CHECK_THAT(with(R"({"agent": "random-wlak"})"), Contains("random-walk"));
   CHECK_THAT(with(R"({"agent": "planner"})"), Contains("planner") && Contains("privileged"));
+  CHECK_THAT(with(R"({"agent": {"type": "external", "name": "seer", "privilege": "next-step"}, "shadow": false})"),
+             Contains("seer") && Contains("privileged"));
   CHECK_THAT(with(R"({"agent": {"type": "dqn", "memory": "lifelong"}})"), Contains("per-flight"));
   CHECK_THAT(with(R"({"agent": {"type": "dqn", "epochs": [1, 2]}})"), Contains("one value"));
   CHECK_THAT(with(R"({"agent": {"type": "external", "name": "visitor"}})"), Contains("\"shadow\": false"));

@@ -156,7 +156,7 @@ void check_routes(const Experiment& experiment) {
   for (const Condition& condition : experiment.conditions) {
     if (condition.kind != WorldKind::generated || condition.world.text("route") != "serving") continue;
     for (const agents::AgentSpec& spec : experiment.agents)
-      if (agents::agent_type(spec.type).privilege == agents::Privilege::whole_route)
+      if (spec.privilege() == agents::Privilege::whole_route)
         throw InputError(
             fmt::format("agent '{}' plans the whole route, but in condition \"{}\" route \"serving\" "
                         "makes the route depend on the flight; use \"nearest\", or leave this agent out",

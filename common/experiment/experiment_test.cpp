@@ -139,6 +139,20 @@ TEST_CASE("a model file counts by its content in the crew of a relay, too") {
   CHECK(id_of(other) != before.id);
 }
 
+TEST_CASE("a foreign agent's privilege, which came later, keeps the id of older experiments unless it has one") {
+  const auto with = [](const std::string& privilege) {
+    return parse(R"({"name": "test", "trials": 2, "world": {}, "agents": ["min-height", {"type": "external", )"
+                 R"("name": "visitor")" +
+                     privilege + "}]}",
+                 "test");
+  };
+  Json without = with("").canonical;
+  CHECK(without["agents"][1].erase("privilege") == 1);
+  CHECK(id_of(without) == with("").id);
+  CHECK(with(R"(, "privilege": "none")").id == with("").id);
+  CHECK(with(R"(, "privilege": "next-step")").id != with("").id);
+}
+
 TEST_CASE("a measured flight that changed under a resolved experiment is refused, a missing one only when needed") {
   const Flight flight;
   const Experiment before = parsed(flight.world());

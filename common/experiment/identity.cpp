@@ -21,12 +21,14 @@ using Json = nlohmann::json;
 /// Settings that came after the first results were stored: at their defaults they change nothing.
 constexpr std::array later_settings{"speed_m_per_s", "energy_weight", "handover_cost"};
 
-/// Of an agent, and of the crew of a relay.
+/// Of an agent, and of the crew of a relay. Foreign agents got their privilege later: none is as before.
 void forget_file(Json& agent) {
-  if (const std::string& file = agents::agent_type(agent.at("type").get<std::string>()).file_parameter; !file.empty()) {
+  const agents::AgentType& type = agents::agent_type(agent.at("type").get<std::string>());
+  if (const std::string& file = type.file_parameter; !file.empty()) {
     agent.erase(file);
     if (agent.value(file + "_sha256", "").empty()) agent.erase(file + "_sha256");
   }
+  if (type.foreign && agent.value("privilege", "none") == "none") agent.erase("privilege");
   if (const auto crew = agent.find("crew"); crew != agent.end())
     for (Json& member : *crew) forget_file(member.at("agent"));
 }

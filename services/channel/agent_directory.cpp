@@ -1,6 +1,10 @@
 #include "services/channel/agent_directory.hpp"
 
+#include <fmt/format.h>
+
+#include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/bus/convert.hpp"
 
 namespace aloft::channel {
 namespace {
@@ -9,6 +13,18 @@ constexpr std::chrono::seconds silence_limit{3};
 constexpr std::chrono::seconds absence_limit{3};
 
 }  // namespace
+
+agents::Privilege granted(const agents::AgentSpec& spec, wire::Privilege asked_for) {
+  const agents::Privilege allowed = spec.privilege();
+  if (!agents::agent_type(spec.type).foreign) return allowed;
+  const agents::Privilege asked = bus::from_wire(asked_for);
+  if (asked <= allowed) return asked;
+  const agents::PrivilegeTier& tier = agents::privilege_tier(asked);
+  throw InputError(
+      fmt::format("agent '{}' asks to see {}, but the experiment allows it privilege \"{}\"; give its entry "
+                  "\"privilege\": \"{}\", or let the program ask for less in AgentStatus",
+                  spec.name, tier.sees, agents::privilege_tier(allowed).name, tier.name));
+}
 
 bool AgentDirectory::update(const wire::AgentStatus& status, Clock::time_point now) {
   const std::string_view agent = wire::view(status.agent());

@@ -6,11 +6,16 @@
 #include <string_view>
 #include <vector>
 
+#include "common/agents/registry.hpp"
 #include "common/bus/wire.hpp"
 
 namespace aloft::channel {
 
 using Clock = std::chrono::steady_clock;
+
+/// What an agent is shown of the future. Our own: what its type declares; a foreign one: what it asks for. InputError
+/// if the experiment does not allow it that much: its results would be marked as those of an agent that sees less.
+[[nodiscard]] agents::Privilege granted(const agents::AgentSpec& spec, wire::Privilege asked_for);
 
 /// Which agents of this worker are there, from what they say about themselves, and which were.
 class AgentDirectory {

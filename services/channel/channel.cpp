@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 #include "common/bus/answer_times.hpp"
-#include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/store/result_store.hpp"
@@ -287,7 +287,13 @@ struct Channel::State {
   /// `without`: those of its crew that are not there.
   void start(Trial& trial, const agents::AgentSpec& spec, const std::vector<std::string>& without) {
     const auto index = static_cast<std::size_t>(&spec - experiment->agents.data());
-    const agents::AgentType& type = agents::agent_type(spec.type);
+    agents::Privilege privilege = agents::Privilege::none;
+    try {
+      const bool foreign = agents::agent_type(spec.type).foreign;
+      privilege = granted(spec, foreign ? agents.find(spec.name)->privilege : wire::PRIVILEGE_NONE);
+    } catch (const InputError& error) {
+      return fail(trial.lease_id, error.what());
+    }
     EpisodeAddress address;
     address.experiment_id = experiment->id;
     address.episode_id = experiment::episode_id(*experiment, {trial.condition, trial.trial, spec.name});
@@ -295,9 +301,6 @@ struct Channel::State {
     address.stream = static_cast<std::uint32_t>(index) * trials.lanes() + static_cast<std::uint32_t>(trial.lane);
     address.condition = trial.condition;
     address.trial = trial.trial;
-    // Our own agents see what their type declares; only a foreign program may say so itself.
-    const agents::Privilege privilege =
-        type.foreign ? bus::from_wire(agents.find(spec.name)->privilege) : type.privilege;
     auto& episode = episodes[address.stream];
     episode = std::make_unique<Episode>(address, spec, privilege, *trial.map, experiment->seed,
                                         experiment->costs_in(experiment->conditions.at(trial.condition)), now,

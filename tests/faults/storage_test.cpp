@@ -130,6 +130,7 @@ TEST_CASE("a damaged write-ahead log loses at most flights, which the same comma
   const std::string intact = read_text(wal);
   REQUIRE(intact.size() > 4096);
   RandomStream random(29, 0, "damage");
+  int went_on = 0;
   for (int i = 0; i < effort(8, 200); ++i) {
     INFO("damage " << i);
     const std::string name = fmt::format("damaged-{}", i);
@@ -142,7 +143,11 @@ TEST_CASE("a damaged write-ahead log loses at most flights, which the same comma
     for (const std::string& line : lines_of(exported.out)) CHECK(right.contains(line));
     const Finished resumed = run_command(scene.run_arguments(name, {"--in-process"}), 120s);
     INFO(resumed.err);
-    if (!is_refusal(resumed)) CHECK(scene.digest(name) == scene.reference());
+    if (!is_refusal(resumed)) {
+      CHECK(scene.digest(name) == scene.reference());
+      ++went_on;
+    }
     fs::remove_all(scene.out(name));
   }
+  CHECK(went_on > 0);
 }

@@ -144,7 +144,7 @@ class Orders {
     wire::SwapRequest request;
     request.request_id(++last_id_);
     request.agent(wire::name(agent));
-    const auto deadline = std::chrono::steady_clock::now() + 20s * test::slowdown;
+    const auto deadline = std::chrono::steady_clock::now() + 60s * test::slowdown;
     std::optional<wire::SwapReply>& reply = last_reply_;
     reply.reset();
     while (std::chrono::steady_clock::now() < deadline) {

@@ -19,7 +19,7 @@ namespace {
 constexpr agents::TrainingWorlds made_for = agents::training_worlds;
 
 /// In what a world differs from those of training; the same of several worlds is told as one.
-struct Difference {
+struct Mismatch {
   std::string what;
   std::string expected;
   std::string value{};  ///< of something that is no number
@@ -30,21 +30,21 @@ struct Difference {
     const std::string range = least == most ? fmt::format("{:g}", least) : fmt::format("{:g} to {:g}", least, most);
     return fmt::format("{} {} instead of {}", what, value.empty() ? range : value, expected);
   }
-  [[nodiscard]] bool same_but_for_its_number(const Difference& other) const {
+  [[nodiscard]] bool same_but_for_its_number(const Mismatch& other) const {
     return what == other.what && value == other.value;
   }
 };
-using Differences = std::vector<Difference>;
+using Mismatches = std::vector<Mismatch>;
 
-void check_range(Differences& differences, std::string_view what, double value, double low, double high) {
+void check_range(Mismatches& differences, std::string_view what, double value, double low, double high) {
   if (value < low || value > high)
     differences.push_back(
         {.what = std::string(what), .expected = fmt::format("{:g} to {:g}", low, high), .least = value, .most = value});
 }
 
 /// How a generated world differs from those of training.
-Differences differences_of(const Parameters& world) {
-  Differences differences;
+Mismatches differences_of(const Parameters& world) {
+  Mismatches differences;
   check_range(differences, "bs_density_per_km2", world.number("bs_density_per_km2"), made_for.bs_density_min_per_km2,
               made_for.bs_density_max_per_km2);
   check_range(differences, "building_density_per_km2", world.number("building_density_per_km2"),
@@ -60,8 +60,8 @@ Differences differences_of(const Parameters& world) {
   return differences;
 }
 
-Differences differences_of(const world::MeasuredFlight& flight) {
-  Differences differences;
+Mismatches differences_of(const world::MeasuredFlight& flight) {
+  Mismatches differences;
   check_range(differences, "heights", flight.heights, made_for.measured_levels_min, made_for.measured_levels_max);
   check_range(differences, "steps", flight.steps, made_for.measured_steps_min, made_for.measured_steps_max);
   return differences;
@@ -69,14 +69,14 @@ Differences differences_of(const world::MeasuredFlight& flight) {
 
 /// Conditions that are told together.
 struct Group {
-  Differences differences;
+  Mismatches differences;
   std::vector<std::string> conditions;
 };
 
-void add(std::vector<Group>& groups, const Differences& differences, const std::string& condition) {
+void add(std::vector<Group>& groups, const Mismatches& differences, const std::string& condition) {
   const auto same = [&](const Group& group) {
     return std::equal(group.differences.begin(), group.differences.end(), differences.begin(), differences.end(),
-                      [](const Difference& a, const Difference& b) { return a.same_but_for_its_number(b); });
+                      [](const Mismatch& a, const Mismatch& b) { return a.same_but_for_its_number(b); });
   };
   auto group = std::find_if(groups.begin(), groups.end(), same);
   if (group == groups.end()) group = groups.insert(groups.end(), {differences, {}});
@@ -112,7 +112,7 @@ std::vector<Warning> warnings(const Experiment& experiment) {
   std::vector<std::string> without_cells;
   for (const Condition& condition : experiment.conditions) {
     const std::optional<world::MeasuredFlight> flight = readable_flight(condition);
-    Differences differences;
+    Mismatches differences;
     if (condition.kind == WorldKind::generated) differences = differences_of(condition.world);
     if (flight) differences = differences_of(*flight);
     if (!differences.empty()) add(untrained, differences, condition.name);
@@ -123,7 +123,7 @@ std::vector<Warning> warnings(const Experiment& experiment) {
     if (!agents::agent_type(spec.type).trained_beforehand) continue;
     for (const Group& group : untrained) {
       std::vector<std::string> texts;
-      for (const Difference& difference : group.differences) texts.push_back(difference.text());
+      for (const Mismatch& difference : group.differences) texts.push_back(difference.text());
       found.push_back({spec.name, fmt::format("agent '{}': its model was not made for {}: {}; expect less of it there",
                                               spec.name, named(group.conditions), fmt::join(texts, ", "))});
     }

@@ -212,6 +212,10 @@ TEST_CASE("results that cannot be written to standard output are no success") {
     CHECK_THAT(finished.err, Contains("cannot write"));
   }
   CHECK(run_command({"aloft", "digest", out}).exit_code == 0);  // what was flown is stored
+  const Finished watch =
+      run_command({"/bin/sh", "-c", aloft + " status --watch --domain " + test_domain() + " > /dev/full"});
+  CHECK(watch.exit_code == 1);  // rather than go on for nobody
+  CHECK_THAT(watch.err, Contains("cannot write"));
 }
 
 TEST_CASE("folders that hold other things are left as they are") {

@@ -123,7 +123,7 @@ TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resum
   CHECK(scene.digest("resumed", {"--workers", "2"}) == reference);
 }
 
-TEST_CASE("--shuffled shuffles in process, too") {
+TEST_CASE("an order in process can be shuffled, too") {
   const Scene scene;
   // With this seed, trial 0 comes late.
   write_text(scene.experiment, R"({"name": "long", "seed": 5, "trials": 500, "world": {"bs_density_per_km2": 5},

@@ -444,4 +444,29 @@ TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
   run.wait(30s);
 }
 
+TEST_CASE("aloft swap says when no flight is in the air that the agent may fly") {
+  // The relay's flight is soon over; the other agent's lasts for minutes.
+  const ScratchDir scratch;
+  write_text(scratch / "experiment.json", R"({"name": "apart", "seed": 5, "on_agent_loss": "failover", "trials": 1,
+    "world": {"bs_density_per_km2": 5, "steps": 100}, "agents": [
+      {"type": "dqn", "name": "slow", "epochs": 10000},
+      {"type": "relay", "name": "uav", "crew": [{"agent": "min-height"}, {"agent": "constant-80"}]}]})");
+  const std::string name = Scene::run_name("apart");
+  Command run({"aloft", "run", (scratch / "experiment.json").string(), "--out", (scratch / "out").string(), "--domain",
+               test_domain(), "--run", name, "--workers", "1"});
+  const auto swap = [&](const std::string& step) {
+    return run_command({"aloft", "swap", "--run", name, "--domain", test_domain(), "--worker", "w0", "--agent",
+                        "constant-80", "--at-step", step});
+  };
+  CHECK(eventually([&] {
+    return swap("60").out ==
+           "worker w0 has no such flight in the air; constant-80 flies those that start later, from step 60 on\n";
+  }));
+  const Finished beyond = swap("9999");
+  CHECK(beyond.exit_code == 2);
+  CHECK_THAT(beyond.err, Contains("no flight of experiment 'apart' has more than 100; use 1 to 100"));
+  run.send(SIGINT);
+  run.wait(30s);
+}
+
 }  // namespace aloft

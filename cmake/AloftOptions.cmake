@@ -36,10 +36,10 @@ target_compile_options(aloft_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow
                        -Wold-style-cast -Woverloaded-virtual -Werror -ffp-contract=off)
 target_include_directories(aloft_options INTERFACE "${CMAKE_SOURCE_DIR}")
 
-# g++ takes std::regex for uninitialized when instrumented, and files that share a translation unit have names in common;
-# such warnings are for the release build.
+# g++ takes std::regex for uninitialized when instrumented, and files that share a translation unit have names in common
+# and are included; such warnings are for the release build.
 if(ALOFT_SANITIZE)
-  target_compile_options(aloft_options INTERFACE -Wno-maybe-uninitialized -Wno-shadow)
+  target_compile_options(aloft_options INTERFACE -Wno-maybe-uninitialized -Wno-shadow -Wno-subobject-linkage)
 endif()
 if(ALOFT_SANITIZE STREQUAL "address")
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)

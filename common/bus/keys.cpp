@@ -23,7 +23,7 @@ std::string remedy(const fs::path& dir, Role role) {
   return fmt::format("issue it again: aloft keys issue {} {}", dir.string(), to_text(role));
 }
 
-std::string read_file(const fs::path& file, const std::string& advice) {
+std::string key_text(const fs::path& file, const std::string& advice) {
   constexpr std::uint64_t largest_bytes = 1U << 20U;
   if (!fs::exists(file)) throw InputError(fmt::format("{}: is missing; {}", file.string(), advice));
   try {
@@ -34,7 +34,7 @@ std::string read_file(const fs::path& file, const std::string& advice) {
 }
 
 openssl::Certificate read_certificate(const fs::path& file, const std::string& advice) {
-  const std::string text = read_file(file, advice);
+  const std::string text = key_text(file, advice);
   openssl::Certificate certificate(PEM_read_bio_X509(openssl::memory(text).get(), nullptr, nullptr, nullptr));
   if (!certificate) throw InputError(fmt::format("{}: is not a certificate (PEM); {}", file.string(), advice));
   return certificate;
@@ -78,7 +78,7 @@ void check_private(const fs::path& file, const X509* certificate, const std::str
         fmt::format("{}: other users may read this private key (mode {:03o}); chmod 600 it, and {} if they "
                     "may have",
                     file.string(), facts.st_mode & 0777U, advice));
-  const std::string text = read_file(file, advice);
+  const std::string text = key_text(file, advice);
   const openssl::Key key(PEM_read_bio_PrivateKey(openssl::memory(text).get(), nullptr, nullptr, nullptr));
   if (!key) throw InputError(fmt::format("{}: is not a private key (PEM); {}", file.string(), advice));
   if (X509_check_private_key(certificate, key.get()) != 1)
@@ -98,7 +98,7 @@ void check_certificate(X509* certificate, X509* authority, const fs::path& file,
 
 /// The text of a document that the authority has signed.
 std::string check_document(const fs::path& file, X509* authority, const std::string& advice) {
-  const std::string text = read_file(file, advice);
+  const std::string text = key_text(file, advice);
   const openssl::Bio source = openssl::memory(text);
   BIO* content = nullptr;
   const openssl::Pkcs7 document(SMIME_read_PKCS7(source.get(), &content));

@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double lost_after_s = 3.0;
-
 /// A text of the run, as it may stand on a line.
 std::string text(const Json& object, const char* key) {
   return plain_text(object.at(key).get_ref<const std::string&>());

@@ -15,7 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double lost_after_s = 3.0;
 constexpr auto forget_leavers_after = std::chrono::seconds(10);
 constexpr auto forget_lost_after = std::chrono::minutes(10);
 constexpr auto rate_window = std::chrono::seconds(5);

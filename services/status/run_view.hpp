@@ -13,6 +13,9 @@ namespace aloft::status {
 
 using Clock = std::chrono::steady_clock;
 
+/// Who is silent for longer is lost.
+inline constexpr double lost_after_s = 3.0;
+
 /// A run as its processes tell of it. Says who has fallen silent, and for how long. No bus; the clock is passed in.
 class RunView {
  public:

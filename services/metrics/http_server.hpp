@@ -1,9 +1,12 @@
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace aloft::metrics {
 
@@ -13,13 +16,29 @@ struct HttpResponse {
   std::string body;
 };
 
-/// Answers GET requests until it is destroyed. Handlers run on the server's two threads.
+struct HttpRoute {
+  std::function<HttpResponse()> answer;
+  /// Waits for nothing: answered by the thread that keeps the connections, whatever the other routes are doing.
+  bool quick = false;
+};
+
+/// What one client can take from the others.
+struct HttpLimits {
+  std::size_t connections = 128;         ///< one more closes the one that has not moved for longest
+  std::chrono::milliseconds time{5000};  ///< for a request to come in whole, and for its answer to be taken
+  std::size_t waiting_answers = 32;      ///< of routes that are not quick; beyond: 503
+};
+
+/// Answers GET and HEAD requests until it is destroyed. One thread keeps all connections and never waits for any of
+/// them; another one makes the answers that are not quick.
 class HttpServer {
  public:
-  using Handler = std::function<HttpResponse()>;
-
   /// Listens on an IPv4 address of this machine. Port 0 takes a free one. InputError if the port cannot be had.
-  HttpServer(const std::string& address, int port, const std::map<std::string, Handler>& routes);
+  /// A browser that was led here under a foreign name (DNS rebinding) is refused: a request must be addressed to
+  /// localhost, to a loopback address, to one of `names` or, if `address` is no loopback address, to any IP address or
+  /// the name of this machine.
+  HttpServer(const std::string& address, int port, std::map<std::string, HttpRoute> routes,
+             std::vector<std::string> names = {}, const HttpLimits& limits = {});
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

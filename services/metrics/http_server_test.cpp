@@ -1,36 +1,227 @@
 #include "services/metrics/http_server.hpp"
 
+#include <fmt/format.h>
 #include <httplib.h>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
 #include <catch2/catch.hpp>
+#include <future>
+#include <list>
+#include <thread>
 
 #include "common/base/error.hpp"
 #include "services/metrics/instruments.hpp"
 
 using namespace aloft::metrics;
+using namespace std::chrono_literals;
+using Catch::Matchers::Contains;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+HttpRoute fixed(int status, const std::string& body) {
+  return {[=] { return HttpResponse{status, "text/plain", body}; }, true};
+}
+
+const std::map<std::string, HttpRoute> health{{"/healthz", fixed(200, "ok\n")}};
+
+/// A connection that sends what it likes.
+class RawClient {
+ public:
+  explicit RawClient(const HttpServer& server) {
+    namespace ip = boost::asio::ip;
+    socket_.connect({ip::address_v4::loopback(), static_cast<std::uint16_t>(server.port())});
+    timeval patience{20, 0};
+    setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  /// False if the server has closed the connection.
+  bool send(std::string_view text) {
+    boost::system::error_code error;
+    boost::asio::write(socket_, boost::asio::buffer(text.data(), text.size()), error);
+    return !error;
+  }
+  /// Everything until the server closes the connection.
+  std::string rest() {
+    std::string text;
+    boost::system::error_code end;
+    boost::asio::read(socket_, boost::asio::dynamic_buffer(text), end);
+    return text;
+  }
+
+ private:
+  boost::asio::io_context io_;
+  boost::asio::ip::tcp::socket socket_{io_};
+};
+
+std::string answer(const HttpServer& server, const std::string& request) {
+  RawClient client(server);
+  client.send(request);
+  return client.rest();
+}
+
+/// The answer to a request that is addressed to `host`.
+std::string answer_to(const HttpServer& server, const std::string& host) {
+  return answer(server, "GET /healthz HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+}
+
+bool is_healthy(const HttpServer& server) {
+  httplib::Client client("127.0.0.1", server.port());
+  client.set_read_timeout(20);
+  const auto answer = client.Get("/healthz");
+  return answer && answer->body == "ok\n";
+}
+
+}  // namespace
 
 TEST_CASE("the server answers its routes on loopback", "[http]") {
-  HttpServer server("127.0.0.1", 0,
-                    {{"/healthz",
-                      [] {
-                        return HttpResponse{200, "text/plain", "ok\n"};
-                      }},
-                     {"/broken", [] {
-                        return HttpResponse{503, "text/plain", "stalled\n"};
-                      }}});
+  const HttpServer server("127.0.0.1", 0, {{"/healthz", fixed(200, "ok\n")}, {"/broken", fixed(503, "stalled\n")}});
   REQUIRE(server.port() > 0);
   httplib::Client client("127.0.0.1", server.port());
-  const auto health = client.Get("/healthz");
-  REQUIRE(health);
-  CHECK(health->status == 200);
-  CHECK(health->body == "ok\n");
+  client.set_keep_alive(true);
+  const auto healthy = client.Get("/healthz?verbose=1");
+  REQUIRE(healthy);
+  CHECK(healthy->status == 200);
+  CHECK(healthy->body == "ok\n");
+  CHECK(healthy->get_header_value("Content-Type") == "text/plain");
   CHECK(client.Get("/broken")->status == 503);
   CHECK(client.Get("/nothing")->status == 404);
+  CHECK(client.Post("/healthz")->status == 405);
+  const auto head = client.Head("/healthz");
+  REQUIRE(head);
+  CHECK(head->status == 200);
+  CHECK(head->body.empty());
+}
+
+TEST_CASE("a route that throws is answered, too", "[http]") {
+  const HttpServer server("127.0.0.1", 0, {{"/status", {[]() -> HttpResponse { throw std::runtime_error("oh"); }}}});
+  httplib::Client client("127.0.0.1", server.port());
+  CHECK(client.Get("/status")->status == 500);
 }
 
 TEST_CASE("a taken port is a clear error", "[http]") {
   const HttpServer first("127.0.0.1", 0, {});
   CHECK_THROWS_AS(HttpServer("127.0.0.1", first.port(), {}), aloft::InputError);
+  CHECK_THROWS_WITH(HttpServer("192.0.2.1", 0, {}), Contains("--http-port 0") && Contains("192.0.2.1"));
+}
+
+TEST_CASE("requests under a foreign name are refused", "[http]") {
+  const HttpServer server("127.0.0.1", 0, health, {"aloft.example"});
+  const std::string port = std::to_string(server.port());
+  for (const std::string host : {"localhost", "LocalHost:1", "127.0.0.1", "127.0.0.1:9464", "[::1]", "[::1]:80",
+                                 "aloft.example", "Aloft.Example:80"})
+    CHECK_THAT(answer_to(server, host), Contains("HTTP/1.1 200 OK"));
+  CHECK_THAT(answer_to(server, "127.0.0.1:" + port), Contains("HTTP/1.1 200 OK"));
+  for (const std::string host : {"attacker.example", "localhost.attacker.example", "127.0.0.1.attacker.example:80",
+                                 "192.0.2.1", "[2001:db8::1]", "[::1", "", ":80", "aloft", "xaloft.example"}) {
+    INFO(host);
+    const std::string refused = answer_to(server, host + ":" + port);
+    CHECK_THAT(refused, Contains("HTTP/1.1 421 ") && Contains("--http-host"));
+    CHECK_THAT(refused, !Contains("ok\n"));
+  }
+  CHECK_THAT(answer(server, "GET /healthz HTTP/1.1\r\nConnection: close\r\n\r\n"), Contains(" 400 "));
+  CHECK_THAT(answer(server, "GET /healthz HTTP/1.0\r\nHost: localhost\r\nHost: attacker.example\r\n\r\n"),
+             Contains(" 400 "));
+  CHECK_THAT(answer(server, "GET /healthz HTTP/1.0\r\n\r\n"), Contains(" 200 "));  // a health check of old
+}
+
+TEST_CASE("a server for other hosts answers under any address and this machine's name, not under others", "[http]") {
+  const HttpServer server("0.0.0.0", 0, health);
+  std::array<char, 65> machine{};
+  REQUIRE(gethostname(machine.data(), machine.size() - 1) == 0);
+  for (const std::string host : {"localhost", "127.0.0.1", "192.0.2.1", "[2001:db8::1]"})
+    CHECK_THAT(answer_to(server, host), Contains(" 200 "));
+  CHECK_THAT(answer_to(server, machine.data()), Contains(" 200 "));
+  CHECK_THAT(answer_to(server, "attacker.example"), Contains(" 421 "));
+}
+
+TEST_CASE("requests that are too large or no HTTP are refused", "[http]") {
+  const HttpServer server("127.0.0.1", 0, health);
+  const std::string start = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n";
+  CHECK_THAT(answer(server, start + "X: " + std::string(9000, 'x') + "\r\n\r\n"), Contains(" 431 "));
+  CHECK_THAT(answer(server, start + "X: " + std::string(1U << 20U, 'x') + "\r\n\r\n"), Contains(" 431 "));
+  CHECK_THAT(answer(server, start + "Content-Length: 5000\r\n\r\n" + std::string(5000, 'x')), Contains(" 413 "));
+  CHECK_THAT(answer(server, "rubbish\r\n\r\n"), Contains(" 400 "));
+  CHECK(is_healthy(server));
+}
+
+TEST_CASE("who sends or takes too slowly is dropped, and keeps nobody waiting", "[http]") {
+  HttpLimits limits;
+  limits.time = 500ms;
+  const std::string large(32U << 20U, 'x');
+  const HttpServer server("127.0.0.1", 0, {{"/healthz", fixed(200, "ok\n")}, {"/large", fixed(200, large)}}, {},
+                          limits);
+  std::list<RawClient> slow;
+  for (int i = 0; i < 20; ++i) CHECK(slow.emplace_back(server).send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n"));
+  RawClient never_reads(server);
+  CHECK(never_reads.send("GET /large HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+  // A byte now and then must not keep a connection for ever.
+  const auto started = Clock::now();
+  while (slow.front().send("x") && Clock::now() - started < 30s) {
+    for (RawClient& client : slow) (void)client.send("x");
+    CHECK(is_healthy(server));
+    std::this_thread::sleep_for(50ms);
+  }
+  CHECK(Clock::now() - started < 30s);
+  for (RawClient& client : slow) CHECK(client.rest().empty());
+  CHECK(never_reads.rest().size() < large.size());
+}
+
+TEST_CASE("one connection too many closes the one that has not moved for longest", "[http]") {
+  HttpLimits limits;
+  limits.connections = 4;
+  limits.time = 1h;
+  const HttpServer server("127.0.0.1", 0, health, {}, limits);
+  httplib::Client busy("127.0.0.1", server.port());
+  busy.set_keep_alive(true);
+  REQUIRE(busy.Get("/healthz"));
+  std::list<RawClient> idle;
+  for (int i = 0; i < 20; ++i) {
+    idle.emplace_back(server);
+    REQUIRE(busy.Get("/healthz"));
+  }
+  for (int i = 0; i < 17; ++i) {
+    CHECK(idle.front().rest().empty());  // closed by the server
+    idle.pop_front();
+  }
+  for (RawClient& client : idle) {
+    CHECK(client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"));
+    CHECK_THAT(client.rest(), Contains(" 200 "));
+  }
+}
+
+TEST_CASE("answers that take long do not delay the health, and do not pile up", "[http]") {
+  std::promise<void> go_on;
+  const std::shared_future<void> may_go_on = go_on.get_future().share();
+  const HttpRoute slow{[may_go_on] {
+    may_go_on.wait();
+    return HttpResponse{200, "text/plain", "at last\n"};
+  }};
+  HttpLimits limits;
+  limits.waiting_answers = 3;
+  const HttpServer server("127.0.0.1", 0, {{"/healthz", fixed(200, "ok\n")}, {"/status", slow}}, {}, limits);
+  std::list<RawClient> clients;
+  for (int i = 0; i < 5; ++i) {
+    clients.emplace_back(server);
+    CHECK(clients.back().send("GET /status HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"));
+    CHECK(is_healthy(server));  // so the server has seen the one before
+  }
+  CHECK_THAT(clients.back().rest(), Contains(" 503 "));
+  go_on.set_value();
+  CHECK_THAT(clients.front().rest(), Contains(" 200 ") && Contains("at last"));
+}
+
+TEST_CASE("a server that ends leaves nobody waiting", "[http]") {
+  auto server = std::make_unique<HttpServer>("127.0.0.1", 0, health);
+  RawClient idle(*server);
+  RawClient half(*server);
+  CHECK(half.send("GET /hea"));
+  CHECK(is_healthy(*server));
+  server.reset();
+  CHECK(idle.rest().empty());
+  CHECK(half.rest().empty());
 }
 
 TEST_CASE("instruments read as Prometheus text", "[http]") {
@@ -48,5 +239,5 @@ TEST_CASE("instruments read as Prometheus text", "[http]") {
         "aloft_records_rejected_total{reason=\"unknown_flight\"} 0\n",
         "aloft_store_commit_seconds_bucket{le=\"0.001\"} 0\n", "aloft_store_commit_seconds_bucket{le=\"0.003\"} 1\n",
         "aloft_store_paused 1\n", "aloft_flights_total 640\n", "aloft_workers_alive 4\n"})
-    CHECK_THAT(text, Catch::Contains(line));
+    CHECK_THAT(text, Contains(line));
 }

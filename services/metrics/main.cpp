@@ -19,6 +19,10 @@ int main(int argc, char** argv) {
                        "Address of this machine for --http-port; 0.0.0.0: all, so that other hosts can read them")
             ->check(CLI::ValidIPV4)
             ->capture_default_str();
+        app.add_option("--http-host", options.http_hosts,
+                       "Further names, separated by commas, under which HTTP requests may come, e.g. of a service; "
+                       "localhost and addresses always may [none]")
+            ->delimiter(',');
         app.add_flag("--summary", options.summary,
                      "Outlive a coordinator that is stopped; write summary.json and summary.csv when the run is over");
       },

@@ -62,7 +62,7 @@ class Conversation {
     waiter_.add(records_);
     waiter_.add(memory_requests_);
     waiter_.add(controls_);
-    if (options.http_port) serve_http(options.http_address, *options.http_port);
+    if (options.http_port) serve_http();
   }
 
   void run() {
@@ -106,19 +106,17 @@ class Conversation {
     }
   }
 
-  void serve_http(const std::string& address, int port) {
+  void serve_http() {
+    const auto health = [this] { return board_.health(Clock::now()); };
+    const auto status = [this] { return HttpResponse{200, "application/json", board_.status_json()}; };
+    const auto numbers = [this] {
+      return HttpResponse{200, "text/plain; version=0.0.4; charset=utf-8", instruments_.prometheus_text()};
+    };
     http_ = std::make_unique<HttpServer>(
-        address, port,
-        std::map<std::string, HttpServer::Handler>{
-            {"/healthz", [this] { return board_.health(Clock::now()); }},
-            {"/status",
-             [this] {
-               return HttpResponse{200, "application/json", board_.status_json()};
-             }},
-            {"/metrics", [this] {
-               return HttpResponse{200, "text/plain; version=0.0.4; charset=utf-8", instruments_.prometheus_text()};
-             }}});
-    spdlog::info("http://{}:{}/status, /metrics and /healthz are up", address, http_->port());
+        options_.http_address, *options_.http_port,
+        std::map<std::string, HttpRoute>{{"/healthz", {health, true}}, {"/status", {status}}, {"/metrics", {numbers}}},
+        options_.http_hosts);
+    spdlog::info("http://{}:{}/status, /metrics and /healthz are up", options_.http_address, http_->port());
   }
 
   [[nodiscard]] std::chrono::milliseconds time_to_wait() const {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "services/runtime/service.hpp"
 
@@ -13,6 +14,7 @@ struct ServiceOptions {
   std::filesystem::path results;     ///< folder of results.sqlite
   std::optional<int> http_port;      ///< 0: any free one
   std::string http_address = "127.0.0.1";
+  std::vector<std::string> http_hosts;  ///< further names under which HTTP requests may come
   bool summary = false;  ///< write summary.json and summary.csv at the end of the run; until then, outlive coordinators
 };
 

@@ -28,9 +28,12 @@ void StatusBoard::on_collector(const wire::CollectorStatus& status) {
 }
 
 void StatusBoard::on_tick(Clock::time_point now, const std::string& paused) {
+  {
+    const std::lock_guard lock(health_mutex_);
+    ticked_ = now;
+    paused_ = paused;
+  }
   const std::lock_guard lock(mutex_);
-  ticked_ = now;
-  paused_ = paused;
   view_.forget_old(now);
 }
 
@@ -40,7 +43,7 @@ std::string StatusBoard::status_json() const {
 }
 
 HttpResponse StatusBoard::health(Clock::time_point now) const {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(health_mutex_);
   if (now - ticked_ > stalled_after) return {503, "text/plain", "the collector stands still\n"};
   return {200, "text/plain", paused_.empty() ? "ok\n" : paused_ + "\n"};
 }

@@ -33,6 +33,7 @@ class StatusBoard {
  private:
   mutable std::mutex mutex_;
   status::RunView view_;
+  mutable std::mutex health_mutex_;  // apart: nobody who asks for the health waits for a long status
   std::string paused_;
   Clock::time_point ticked_ = Clock::now();
 };

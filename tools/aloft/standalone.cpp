@@ -111,6 +111,8 @@ void add_metrics(CLI::App& app, Job& job) {
   options->more = {"--summary"};
   pass_on(*command, options, "--http-port", "Serve /healthz, /status and /metrics there; 0: any free port [none]");
   pass_on(*command, options, "--http-address", "Address for --http-port [127.0.0.1]");
+  pass_on(*command, options, "--http-host",
+          "Further names, separated by commas, under which HTTP requests may come; localhost and addresses may [none]");
   command->callback([options, &job] {
     job = [options]() -> int { become("aloft-metrics", *options, resolved_or_stored(*options)); };
   });

@@ -32,6 +32,13 @@ class Descriptor {
   throw InputError(fmt::format("cannot write '{}': {}", file.string(), std::generic_category().message(errno)));
 }
 
+[[noreturn]] void give_up_writing(const std::filesystem::path& temporary, const std::filesystem::path& file) {
+  const int reason = errno;
+  ::unlink(temporary.c_str());
+  errno = reason;
+  refuse(file);
+}
+
 }  // namespace
 
 void write_text_file(const std::filesystem::path& file, std::string_view text) {
@@ -42,12 +49,12 @@ void write_text_file(const std::filesystem::path& file, std::string_view text) {
     while (!text.empty()) {
       const ssize_t count = ::write(descriptor.get(), text.data(), text.size());
       if (count < 0 && errno == EINTR) continue;
-      if (count < 0) refuse(file);
+      if (count < 0) give_up_writing(temporary, file);
       text.remove_prefix(static_cast<std::size_t>(count));
     }
-    if (::fsync(descriptor.get()) != 0) refuse(file);
+    if (::fsync(descriptor.get()) != 0) give_up_writing(temporary, file);
   }
-  if (::rename(temporary.c_str(), file.c_str()) != 0) refuse(file);
+  if (::rename(temporary.c_str(), file.c_str()) != 0) give_up_writing(temporary, file);
 }
 
 }  // namespace aloft::experiment

@@ -16,7 +16,8 @@ namespace aloft::store {
 namespace {
 
 constexpr int application_id = 0x416C6F66;  // "Alof"; `file results.sqlite` shows it
-constexpr int schema_version = 2;
+constexpr int schema_version = 3;
+constexpr int schema_version_without_tally = 2;
 constexpr int busy_timeout_ms = 5000;
 constexpr std::uintmax_t no_room_bytes = 1U << 20U;
 
@@ -48,6 +49,20 @@ CREATE TABLE trace (  -- The steps of every flight.
   flight INTEGER PRIMARY KEY,  -- flight.id
   bytes BLOB NOT NULL  -- Protobuf, message Trace of idl/trace.proto.
 ) STRICT;
+)";
+
+// None is ever removed, so a row that is missing was removed by somebody else.
+constexpr std::string_view tally_schema = R"(
+CREATE TABLE tally (  -- How many flights were ever stored; a trigger counts them.
+  one INTEGER PRIMARY KEY CHECK (one = 1),  -- Always 1.
+  flights INTEGER NOT NULL  -- As many as table flight has rows, unless some were removed.
+) STRICT;
+)";
+constexpr const char* tally_counting = R"(
+INSERT INTO tally SELECT 1, count(*) FROM flight;
+CREATE TRIGGER count_flights AFTER INSERT ON flight BEGIN
+  UPDATE tally SET flights = flights + 1;
+END;
 )";
 
 // Not part of any result.
@@ -83,6 +98,7 @@ bool disk_is_full(const std::filesystem::path& file) {
 void create_schema(SQLite::Database& database) {
   SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
   database.exec(database_schema());
+  database.exec(tally_counting);
   database.exec(fmt::format("PRAGMA application_id = {}", application_id));
   database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
   transaction.commit();
@@ -91,7 +107,8 @@ void create_schema(SQLite::Database& database) {
 void check_identity(SQLite::Database& database, const std::filesystem::path& file) {
   if (pragma(database, "application_id") != application_id)
     throw InputError(fmt::format("'{}' is a database of another program; use another folder", file.string()));
-  if (const int version = pragma(database, "user_version"); version != schema_version)
+  if (const int version = pragma(database, "user_version");
+      version != schema_version && version != schema_version_without_tally)
     throw InputError(
         fmt::format("'{}' has format {}, this program reads format {}; use the version of Aloft that wrote "
                     "it, or another folder",
@@ -101,6 +118,30 @@ void check_identity(SQLite::Database& database, const std::filesystem::path& fil
 void check_structure(SQLite::Database& database, const std::filesystem::path& file) {
   const std::string found = database.execAndGet("PRAGMA quick_check(1)").getString();
   if (found != "ok") refuse_damaged(file, found);
+}
+
+/// Rows that were removed would look like flights that were never flown. Each statement sees one moment of a database
+/// that somebody else may be writing.
+void check_rows(SQLite::Database& database, const std::filesystem::path& file) {
+  SQLite::Statement traceless(database,
+                              "SELECT flight.id FROM flight LEFT JOIN trace ON trace.flight = flight.id "
+                              "WHERE trace.flight IS NULL LIMIT 1");
+  if (traceless.executeStep())
+    refuse_damaged(file,
+                   fmt::format("the trace of row {} of table flight was removed", traceless.getColumn(0).getInt64()));
+  const bool has_tally = pragma(database, "user_version") != schema_version_without_tally;
+  SQLite::Statement counts(database,
+                           fmt::format("SELECT (SELECT count(*) FROM experiment), (SELECT count(*) FROM flight), "
+                                       "(SELECT count(*) FROM trace), {}",
+                                       has_tally ? "(SELECT flights FROM tally)" : "(SELECT count(*) FROM flight)"));
+  counts.executeStep();
+  const std::int64_t flights = counts.getColumn(1).getInt64();
+  const std::int64_t traces = counts.getColumn(2).getInt64();
+  const std::int64_t stored = counts.getColumn(3).getInt64();
+  if (flights != stored || traces != stored)
+    refuse_damaged(file,
+                   fmt::format("it holds {} flights and {} traces, and {} were stored in it", flights, traces, stored));
+  if (flights > 0 && counts.getColumn(0).getInt() == 0) refuse_damaged(file, "the experiment was removed from it");
 }
 
 /// WAL, so that readers never wait; FULL, so that a committed flight survives a power loss.
@@ -122,8 +163,8 @@ std::unique_ptr<SQLite::Database> open_for_writing(const std::filesystem::path& 
   }
   check_identity(*database, file);
   check_structure(*database, file);
+  check_rows(*database, file);
   set_up_writing(*database);
-  database->exec(std::string(later_schema));  // older databases have neither
   return database;
 }
 
@@ -145,7 +186,7 @@ std::unique_ptr<SQLite::Database> open_for_reading(const std::filesystem::path& 
 }  // namespace
 
 std::string database_schema() {
-  return std::string(schema) + std::string(later_schema);
+  return std::string(schema) + std::string(tally_schema) + std::string(later_schema);
 }
 
 int database_version() noexcept {
@@ -158,8 +199,28 @@ std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& fil
     auto database = open_for_reading(file);
     check_identity(*database, file);
     check_structure(*database, file);
+    check_rows(*database, file);
     return database;
   });
+}
+
+void update_format(SQLite::Database& database) {
+  if (pragma(database, "user_version") == schema_version) return;
+  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+  database.exec(std::string(later_schema) + std::string(tally_schema));
+  database.exec(tally_counting);
+  database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
+  transaction.commit();
+}
+
+bool has_moved(SQLite::Database& database) {
+  int moved = 0;
+  return sqlite3_file_control(database.getHandle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved) == SQLITE_OK && moved != 0;
+}
+
+std::int64_t count_flights(const std::filesystem::path& file) {
+  return with_errors_of(
+      file, [&] { return open_database(file, Access::read)->execAndGet("SELECT count(*) FROM flight").getInt64(); });
 }
 
 void rethrow(const SQLite::Exception& error, const std::filesystem::path& file) {

@@ -8,16 +8,28 @@
 
 namespace aloft::store {
 
+inline constexpr const char* database_name = "results.sqlite";
+inline constexpr const char* log_folder = "log";
+
 enum class Access : std::uint8_t { read, write };
 
-/// Opens (writing: or creates) a result database and checks its structure. Throws InputError if it is not ours or
-/// cannot be opened, IntegrityError with a hint if it is damaged.
+/// Opens (writing: or creates) a result database and checks its structure, and that no row was removed. Throws
+/// InputError if it is not ours or cannot be opened, IntegrityError with a hint if it is damaged.
 [[nodiscard]] std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access);
 
 /// The SQL that makes the tables of a new database; comments tell what each table and column holds.
 [[nodiscard]] std::string database_schema();
 /// Of that structure.
 [[nodiscard]] int database_version() noexcept;
+
+/// Brings a database that an older Aloft wrote to today's format.
+void update_format(SQLite::Database& database);
+
+/// True if its file was moved or removed since it was opened.
+[[nodiscard]] bool has_moved(SQLite::Database& database);
+
+/// Throws like open_database.
+[[nodiscard]] std::int64_t count_flights(const std::filesystem::path& file);
 
 /// Turns what SQLite reports into our errors: IntegrityError, StoreFull, InputError, or std::runtime_error.
 [[noreturn]] void rethrow(const SQLite::Exception& error, const std::filesystem::path& file);

@@ -1,7 +1,6 @@
 #include "common/store/result_store.hpp"
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 
 #include <algorithm>
 #include <bit>
@@ -21,9 +20,6 @@ namespace {
 
 using experiment::Experiment;
 using experiment::FlightKey;
-
-constexpr const char* database_name = "results.sqlite";
-constexpr const char* log_folder = "log";
 
 std::size_t agent_index(const Experiment& experiment, std::string_view name) {
   const auto& agents = experiment.agents;
@@ -59,32 +55,6 @@ std::string memory_digest(const FlightKey& key, std::string_view memory) {
   return digest.hex();
 }
 
-/// Lost and mistaken folders look alike: never start a run among files that are not results.
-void check_is_empty(const std::filesystem::path& dir) {
-  for (const auto& entry : std::filesystem::directory_iterator(dir)) {
-    const std::string name = entry.path().filename().string();
-    if (name == log_folder || name == "lost+found" || name == coordinator_lock_name || name.starts_with(database_name))
-      continue;
-    throw InputError(fmt::format("'{}' holds other files ('{}'), but no results; use an empty or new folder for --out",
-                                 dir.string(), name));
-  }
-}
-
-void make_folder(const std::filesystem::path& dir) {
-  try {
-    std::filesystem::create_directories(dir);
-    if (!std::filesystem::exists(dir / database_name)) check_is_empty(dir);
-    if (std::filesystem::exists(dir / log_folder) && !std::filesystem::is_directory(dir / log_folder))
-      throw InputError(
-          fmt::format("'{}' is a file, but must be a folder: logs go there; move it away, or use another "
-                      "folder for --out",
-                      (dir / log_folder).string()));
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw InputError(
-        fmt::format("cannot use the folder '{}': {}; use another one for --out", dir.string(), error.code().message()));
-  }
-}
-
 std::string resolved_file(const Experiment& experiment) {
   nlohmann::json resolved = experiment.canonical;
   resolved["build"] = std::string(build_id());
@@ -97,12 +67,16 @@ struct ResultStore::State {
   State(const std::filesystem::path& dir, Access access)
       : file(dir / database_name),
         lock(access == Access::write ? std::make_unique<WriterLock>(dir) : nullptr),
+        is_new(access == Access::write && !std::filesystem::exists(file)),
         database(open_database(file, access)) {}
 
   std::filesystem::path file;
   std::unique_ptr<WriterLock> lock;
+  bool is_new;
   std::unique_ptr<SQLite::Database> database;
   Experiment experiment;
+  MadeResults made;
+  std::optional<FolderWatch> watch;  // of who writes
   bool batch_open = false;
   // Statements that every flight needs, prepared once.
   std::unique_ptr<SQLite::Statement> find_digest;
@@ -133,6 +107,10 @@ struct ResultStore::State {
     if (sha256_hex(canonical) != query.getColumn(1).getString()) refuse_damaged(file, "the experiment was altered");
     return canonical;
   }
+
+  void begin_writing();
+  void check_memories() const;
+  void begin_watch();
 
   void store_experiment() const {
     const std::string canonical = experiment.canonical.dump();
@@ -252,25 +230,65 @@ ResultStore::ResultStore(std::unique_ptr<State> state) : state_(std::move(state)
 ResultStore::ResultStore(ResultStore&&) noexcept = default;
 ResultStore::~ResultStore() = default;
 
-ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, const Experiment& experiment) {
-  make_folder(dir);
-  auto state = std::make_unique<State>(dir, Access::write);
-  state->experiment = experiment;
-  with_errors_of(state->file, [&] {
-    const std::string stored = state->stored_canonical();
-    if (stored.empty()) {
-      state->store_experiment();
-    } else if (const nlohmann::json there = parse_json(stored, state->file.string());
-               experiment::id_of(there) != experiment.id) {
+/// Refuses the results of another experiment before anything is written.
+void ResultStore::State::begin_writing() {
+  const std::string stored = stored_canonical();
+  if (!stored.empty()) {
+    if (const nlohmann::json there = parse_json(stored, file.string()); experiment::id_of(there) != experiment.id)
       throw InputError(
           fmt::format("'{}' holds the results of another experiment: {}. Name another folder with --out, or move this "
                       "one away",
-                      dir.string(), experiment::describe_differences(there, experiment.canonical)));
-    }
-    state->prepare_writing();
-  });
-  if (!std::filesystem::exists(dir / "experiment.json"))
-    experiment::write_text_file(dir / "experiment.json", resolved_file(experiment));
+                      file.parent_path().string(), experiment::describe_differences(there, experiment.canonical)));
+  }
+  update_format(*database);
+  if (stored.empty()) store_experiment();
+  check_memories();
+  prepare_writing();
+}
+
+/// Without the memory that it ended with, a lineage cannot go on.
+void ResultStore::State::check_memories() const {
+  for (const agents::AgentSpec& agent : experiment.agents) {
+    if (agent.lineages() == 0) continue;
+    SQLite::Statement lost(
+        *database,
+        "SELECT condition, last FROM (SELECT condition, trial % ?1 AS lineage, max(trial) AS last FROM flight "
+        "WHERE agent = ?2 GROUP BY condition, lineage) AS latest WHERE NOT EXISTS (SELECT 1 FROM memory WHERE "
+        "memory.condition = latest.condition AND memory.agent = ?2 AND memory.lineage = latest.lineage AND "
+        "memory.trial = last) LIMIT 1");
+    lost.bind(1, agent.lineages());
+    lost.bind(2, agent.name);
+    if (lost.executeStep())
+      refuse_damaged(file, fmt::format("the memory of agent '{}' after condition {}, trial {} was removed", agent.name,
+                                       lost.getColumn(0).getInt64(), lost.getColumn(1).getInt64()));
+  }
+}
+
+/// SQLite's log and its index are there as long as it is open. That the folder was replaced while it was opened, SQLite
+/// itself remembers.
+void ResultStore::State::begin_watch() {
+  const std::string name = database_name;
+  watch.emplace(file.parent_path(), std::vector<std::string>{name, name + "-wal", name + "-shm"});
+  if (has_moved(*database)) throw ResultsGone(fmt::format("'{}' was replaced while it was opened", file.string()));
+}
+
+ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, const Experiment& experiment) {
+  MadeResults made = make_folder(dir);
+  std::unique_ptr<State> state;
+  try {
+    state = std::make_unique<State>(dir, Access::write);
+    made.database = state->is_new;
+    state->experiment = experiment;
+    with_errors_of(state->file, [&] { state->begin_writing(); });
+    if (!std::filesystem::exists(dir / "experiment.json"))
+      experiment::write_text_file(dir / "experiment.json", resolved_file(experiment));
+    state->begin_watch();
+  } catch (const std::exception&) {
+    state.reset();
+    take_back(made);
+    throw;
+  }
+  state->made = std::move(made);
   return ResultStore(std::move(state));
 }
 
@@ -293,6 +311,14 @@ const Experiment& ResultStore::experiment() const noexcept {
   return state_->experiment;
 }
 
+const MadeResults& ResultStore::made() const noexcept {
+  return state_->made;
+}
+
+void ResultStore::check_in_place() const {
+  if (state_->watch) state_->watch->check();
+}
+
 Stored ResultStore::add(const FlightKey& key, std::string_view encoded_trace, std::string_view memory) {
   if (state_->batch_open) return with_errors_of(state_->file, [&] { return state_->add(key, encoded_trace, memory); });
   Stored stored{};
@@ -306,12 +332,18 @@ void ResultStore::batch(const std::function<void()>& work) {
     bool& open;
     ~Closing() { open = false; }
   } closing{state_->batch_open};
-  with_errors_of(state_->file, [&] {
-    SQLite::Transaction transaction(*state_->database, SQLite::TransactionBehavior::IMMEDIATE);
-    state_->batch_open = true;
-    work();
-    transaction.commit();
-  });
+  try {
+    with_errors_of(state_->file, [&] {
+      SQLite::Transaction transaction(*state_->database, SQLite::TransactionBehavior::IMMEDIATE);
+      state_->batch_open = true;
+      work();
+      transaction.commit();
+    });
+  } catch (const std::exception&) {
+    check_in_place();  // then that is the reason
+    throw;
+  }
+  check_in_place();
 }
 
 void ResultStore::sign(const ProcessName& writer) {
@@ -349,9 +381,7 @@ bool ResultStore::holds(const FlightKey& key) const {
 }
 
 bool ResultStore::in_place() const {
-  int moved = 0;
-  const int result = sqlite3_file_control(state_->database->getHandle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
-  return result != SQLITE_OK || moved == 0;
+  return !has_moved(*state_->database);
 }
 
 std::uint64_t ResultStore::count() const {

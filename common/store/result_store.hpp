@@ -15,6 +15,7 @@
 #include "common/base/process_name.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/flight/flight.hpp"
+#include "common/store/result_folder.hpp"
 
 namespace aloft::store {
 
@@ -51,7 +52,7 @@ class ResultStore {
   /// Creates or opens DIR/results.sqlite for this experiment, and writes DIR/experiment.json (the resolved experiment
   /// and the build). InputError if DIR holds another experiment's results (the message names the first difference) or
   /// other files, cannot be written, or another process is writing into it; IntegrityError with a hint if the database
-  /// is corrupt.
+  /// is corrupt, or rows were removed from it. Leaves nothing behind if it throws.
   static ResultStore open_for_writing(const std::filesystem::path& dir, const experiment::Experiment& experiment);
   /// Opens an existing result folder, read only; another process may be writing into it. InputError if there is none,
   /// IntegrityError as above.
@@ -64,6 +65,10 @@ class ResultStore {
 
   /// The experiment whose results these are.
   [[nodiscard]] const experiment::Experiment& experiment() const noexcept;
+  /// What open_for_writing had to make.
+  [[nodiscard]] const MadeResults& made() const noexcept;
+  /// Throws ResultsGone if the folder is no longer where it was when it was opened for writing. From any thread.
+  void check_in_place() const;
 
   /// Storing is idempotent; a second record of the same flight with another digest throws IntegrityError (except of a
   /// relay with failover, whose first record counts), as does a trace that cannot be decoded or has no steps. `memory`
@@ -71,7 +76,8 @@ class ResultStore {
   /// (IntegrityError); it is stored together with the flight. Durable (kill -9, power loss) once it returns, unless a
   /// batch is open. Throws StoreFull if the disk is full. One thread at a time.
   Stored add(const experiment::FlightKey& key, std::string_view encoded_trace, std::string_view memory = {});
-  /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested.
+  /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested. Throws ResultsGone
+  /// if it was stored where nobody may find it.
   void batch(const std::function<void()>& work);
 
   /// Notes in the database which process writes into it now. A copy of the folder is signed by somebody else as soon as

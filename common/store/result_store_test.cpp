@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <functional>
 
 #include "common/base/build_info.hpp"
 #include "common/base/digest.hpp"
@@ -274,6 +275,7 @@ TEST_CASE("altered rows are refused with a hint") {
   }
   SECTION("a position") {
     run_sql(dir, "UPDATE flight SET id = 3");
+    run_sql(dir, "UPDATE trace SET flight = 3");
   }
   SECTION("a digest") {
     run_sql(dir, "UPDATE flight SET digest = 'x'");
@@ -293,6 +295,186 @@ TEST_CASE("an altered trace or experiment is refused") {
   run_sql(folder / "out", "UPDATE experiment SET canonical = replace(canonical, 'small', 'smell')");
   CHECK_THROWS_AS(ResultStore::open_for_reading(folder / "out"), IntegrityError);
   CHECK_THROWS_AS(ResultStore::open_for_writing(folder / "out", small()), IntegrityError);
+}
+
+TEST_CASE("rows that were removed are noticed by readers and writers, with a hint") {
+  const Folder folder;
+  const auto dir = folder / "out";
+  {
+    auto results = ResultStore::open_for_writing(dir, remembering());
+    for (std::uint32_t trial = 0; trial < 4; ++trial) {
+      (void)results.add({0, trial, "min-height"}, flight_with(1.0));
+      (void)results.add({0, trial, "dqn"}, flight_with(2.0), "memory");
+    }
+  }
+  std::string what;
+  SECTION("a trace") {
+    run_sql(dir, "DELETE FROM trace WHERE flight = 2");
+    what = "the trace of row 2 of table flight was removed";
+  }
+  SECTION("a flight without its trace") {
+    run_sql(dir, "DELETE FROM flight WHERE id = 2");
+    what = "it holds 7 flights and 8 traces, and 8 were stored";
+  }
+  SECTION("a flight and its trace") {
+    run_sql(dir, "DELETE FROM flight WHERE id = 2");
+    run_sql(dir, "DELETE FROM trace WHERE flight = 2");
+    what = "it holds 7 flights and 7 traces, and 8 were stored";
+  }
+  SECTION("a flight and its trace, for which another took the place") {
+    run_sql(dir, "UPDATE flight SET id = 17 WHERE id = 2");
+    what = "the trace of row 17 of table flight was removed";
+  }
+  SECTION("the experiment") {
+    run_sql(dir, "DELETE FROM experiment");
+    what = "the experiment was removed";
+  }
+  SECTION("the count of the flights") {
+    run_sql(dir, "DELETE FROM tally");
+    what = "it holds 8 flights and 8 traces, and 0 were stored";
+  }
+  for (const auto& open :
+       std::vector<std::function<void()>>{[&] { (void)ResultStore::open_for_reading(dir); },
+                                          [&] { (void)ResultStore::open_for_writing(dir, remembering()); },
+                                          [&] { (void)ResultStore::open_for_writing(dir, small()); }}) {
+    CHECK_THROWS_AS(open(), IntegrityError);
+    CHECK_THROWS_WITH(open(), Contains(what) && Contains("Restore the folder"));
+  }
+}
+
+TEST_CASE("a memory that was removed is noticed by those who would need it") {
+  const Folder folder;
+  const auto dir = folder / "out";
+  {
+    auto results = ResultStore::open_for_writing(dir, remembering());
+    for (std::uint32_t trial = 0; trial < 4; ++trial) (void)results.add({1, trial, "dqn"}, flight_with(2.0), "memory");
+  }
+  run_sql(dir, "DELETE FROM memory WHERE trial = 3");
+  CHECK(ResultStore::open_for_reading(dir).flights().size() == 4);
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(dir, remembering()),
+                    Contains("memory of agent 'dqn' after condition 1, trial 3 was removed"));
+}
+
+TEST_CASE("what is stored in a folder that was moved, removed or replaced is not called stored") {
+  const Folder folder;
+  const auto dir = folder / "out";
+  const auto aside = folder / "aside";
+  auto results = ResultStore::open_for_writing(dir, small());
+  (void)results.add(first, flight_with(1.0));
+  CHECK_NOTHROW(results.check_in_place());
+  std::string what = "results.sqlite is gone";
+  bool again = true;
+  SECTION("the folder is moved, and moved back") {
+    std::filesystem::rename(dir, aside);
+    CHECK_THROWS_AS(results.add(second, flight_with(2.0)), ResultsGone);
+    CHECK_THROWS_WITH(results.check_in_place(), Contains(what) && Contains("move it back"));
+    std::filesystem::rename(aside, dir);
+    CHECK_NOTHROW(results.check_in_place());
+    again = false;
+  }
+  SECTION("the folder is removed") {
+    std::filesystem::remove_all(dir);
+  }
+  SECTION("the folder is replaced by a copy") {
+    std::filesystem::rename(dir, aside);
+    std::filesystem::copy(aside, dir);
+    what = "results.sqlite is another file now";
+  }
+  SECTION("the folder is replaced by a file") {
+    std::filesystem::rename(dir, aside);
+    std::ofstream(dir) << "x";
+  }
+  SECTION("the database is removed") {
+    std::filesystem::remove(dir / "results.sqlite");
+  }
+  SECTION("the database is replaced") {
+    std::filesystem::copy(dir / "results.sqlite", aside);
+    std::filesystem::rename(aside, dir / "results.sqlite");
+    what = "results.sqlite is another file now";
+  }
+  SECTION("its log is removed") {
+    std::filesystem::remove(dir / "results.sqlite-wal");
+    what = "results.sqlite-wal is gone";
+  }
+  if (!again) return;
+  CHECK_THROWS_AS(results.add(second, flight_with(2.0)), ResultsGone);
+  CHECK_THROWS_WITH(results.add(second, flight_with(2.0)), Contains(what) && Contains(dir.string()));
+  CHECK_THROWS_WITH(results.check_in_place(), Contains(what) && Contains("the same command again"));
+}
+
+TEST_CASE("a reader that comes and goes does not look like a replaced folder") {
+  const Folder folder;
+  auto results = ResultStore::open_for_writing(folder / "out", small());
+  const FolderWatch watch = watch_results(folder / "out");
+  for (std::uint32_t trial = 0; trial < 20; ++trial) {
+    CHECK(results.add({0, trial, "min-height"}, flight_with(1.0, 2000)) == Stored::added);
+    const pid_t reader = fork();
+    if (reader == 0) _exit(ResultStore::open_for_reading(folder / "out").flights().size() == trial + 1 ? 0 : 1);
+    int status = 0;
+    REQUIRE(waitpid(reader, &status, 0) == reader);
+    CHECK(status == 0);
+    CHECK_NOTHROW(watch.check());
+  }
+}
+
+TEST_CASE("a run that is refused after it opened its folder takes back what it made, and nothing else") {
+  const Folder folder;
+  const auto dir = folder / "a" / "b" / "out";
+  SECTION("everything was new") {
+    const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
+    std::filesystem::create_directory(dir / "log");
+    std::ofstream(dir / "log" / "w0.log") << "x";
+    CHECK(made.folders.size() == 3);
+    take_back(made);
+    CHECK_FALSE(std::filesystem::exists(folder / "a"));
+  }
+  SECTION("the folder was there") {
+    std::filesystem::create_directories(dir);
+    const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
+    take_back(made);
+    CHECK(std::filesystem::is_empty(dir));
+  }
+  SECTION("somebody else put something there") {
+    const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
+    std::ofstream(dir / "dear.txt") << "Dear all";
+    take_back(made);
+    CHECK(std::filesystem::exists(dir / "dear.txt"));
+    CHECK_FALSE(std::filesystem::exists(dir / "results.sqlite"));
+  }
+  SECTION("a flight is stored") {
+    auto results = std::make_unique<ResultStore>(ResultStore::open_for_writing(dir, small()));
+    const MadeResults made = results->made();
+    (void)results->add(first, flight_with(1.0));
+    results.reset();
+    take_back(made);
+    CHECK(ResultStore::open_for_reading(dir).flights().size() == 1);
+  }
+  SECTION("the results were there, without a flight and without logs") {
+    { (void)ResultStore::open_for_writing(dir, small()); }
+    const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
+    std::filesystem::create_directory(dir / "log");
+    take_back(made);
+    CHECK(ResultStore::open_for_reading(dir).flights().empty());
+    CHECK_FALSE(std::filesystem::exists(dir / "log"));
+  }
+  SECTION("somebody else writes there") {
+    const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
+    const auto other = ResultStore::open_for_writing(dir, small());
+    take_back(made);
+    CHECK(ResultStore::open_for_reading(dir).flights().empty());
+  }
+}
+
+TEST_CASE("opening that fails leaves nothing behind") {
+  const Folder folder;
+  std::ofstream(folder / "file") << "x";
+  CHECK_THROWS_AS(ResultStore::open_for_writing(folder / "new" / ".." / "file" / "x", small()), InputError);
+  CHECK_FALSE(std::filesystem::exists(folder / "new"));
+  std::filesystem::create_directory(folder / "lost");
+  std::ofstream(folder / "lost" / "experiment.json") << "{}";
+  CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "lost", small()),
+                    Contains("has lost its results.sqlite") && Contains("Put it back"));
+  CHECK_FALSE(std::filesystem::exists(folder / "lost" / "results.sqlite"));
 }
 
 TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
@@ -476,16 +658,24 @@ TEST_CASE("memory is all or nothing with its flight, and an altered one is refus
   }
 }
 
-TEST_CASE("a database without a place for memory gets one when it is written again") {
+TEST_CASE("a database of the format before can be read, and gets today's when it is written again") {
   const Folder folder;
-  { (void)ResultStore::open_for_writing(folder / "out", remembering()); }
+  { (void)ResultStore::open_for_writing(folder / "out", remembering()).add({0, 0, "min-height"}, flight_with(1.0)); }
   {
     SQLite::Database database((folder / "out" / "results.sqlite").string(), SQLite::OPEN_READWRITE);
-    database.exec("DROP TABLE memory");
+    database.exec("DROP TABLE memory; DROP TRIGGER count_flights; DROP TABLE tally; PRAGMA user_version = 2");
   }
-  auto results = ResultStore::open_for_writing(folder / "out", remembering());
-  CHECK(results.add({0, 0, "dqn"}, flight_with(1.0), "a0") == Stored::added);
-  CHECK(results.memory({0, 0, "dqn"}) == "a0");
+  CHECK(ResultStore::open_for_reading(folder / "out").flights().size() == 1);
+  {
+    auto results = ResultStore::open_for_writing(folder / "out", remembering());
+    CHECK(results.add({0, 0, "dqn"}, flight_with(1.0), "a0") == Stored::added);
+    CHECK(results.memory({0, 0, "dqn"}) == "a0");
+  }
+  CHECK(ResultStore::open_for_reading(folder / "out").flights().size() == 2);
+  run_sql(folder / "out", "DELETE FROM flight WHERE agent = 'min-height'");
+  run_sql(folder / "out", "DELETE FROM trace WHERE flight = 0");
+  CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out"),
+                    Contains("it holds 1 flights and 1 traces, and 2 were stored"));
 }
 
 TEST_CASE("who writes into a folder is noted there, and in no copy of it") {
@@ -513,7 +703,8 @@ TEST_CASE("a database that nobody could sign yet has no writer, and can be signe
   { (void)ResultStore::open_for_writing(folder / "out", small()); }
   {
     SQLite::Database database((folder / "out" / "results.sqlite").string(), SQLite::OPEN_READWRITE);
-    database.exec("DROP TABLE writer");
+    database.exec(
+        "DROP TABLE writer; DROP TRIGGER count_flights; DROP TABLE tally; PRAGMA user_version = 2");  // the format then
   }
   CHECK_FALSE(ResultStore::open_for_reading(folder / "out").writer());
   auto results = ResultStore::open_for_writing(folder / "out", small());

@@ -66,6 +66,8 @@ std::vector<Acknowledgement> Collector::commit_due(Clock::time_point now, bool f
     stored = commit_(queue_);
   } catch (const IntegrityError&) {
     throw;
+  } catch (const store::ResultsGone&) {
+    throw;
   } catch (const std::logic_error&) {
     throw;
   } catch (const std::exception& error) {

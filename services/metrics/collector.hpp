@@ -55,7 +55,8 @@ class Collector {
   std::optional<std::string> offer(Record record, Clock::time_point now);
 
   /// Commits if a batch is due (or `flush`). A full disk or a locked database pauses the collector and keeps the
-  /// batch. Throws IntegrityError if a flight was stored before with another digest, or the database is broken.
+  /// batch. Throws IntegrityError if a flight was stored before with another digest, or the database is broken;
+  /// store::ResultsGone if it is no longer where it was.
   std::vector<Acknowledgement> commit_due(Clock::time_point now, bool flush = false);
 
   /// When commit_due has something to do; none while the queue is empty.

@@ -43,12 +43,13 @@ Record to_record(const wire::EpisodeRecord& sample) {
 /// A collector with a bus around it.
 class Conversation {
  public:
-  Conversation(runtime::Service& service, const ServiceOptions& options, const experiment::Experiment& experiment)
+  Conversation(runtime::Service& service, const ServiceOptions& options, const experiment::Experiment& experiment,
+               store::ResultStore& store)
       : stop_(service.stop),
         notifier_(service.notifier),
         options_(options),
         experiment_(experiment),
-        store_(store::ResultStore::open_for_writing(options.results, experiment)),
+        store_(store),
         board_(service.bus.run),
         collector_(experiment, commit_to(store_), instruments_),
         participant_(service.bus),
@@ -169,10 +170,11 @@ class Conversation {
 
   /// Only the run's own collector stores: what others confirm would be missing in the run's results.
   void store_due(bool flush) {
-    if (!accepted_) return;
     try {
+      store_.check_in_place();  // also when there is nothing to store
+      if (!accepted_) return;
       for (const Acknowledgement& done : collector_.commit_due(Clock::now(), flush)) confirm(done);
-    } catch (const IntegrityError& error) {
+    } catch (const std::runtime_error& error) {
       tell_failure(error);
       throw;
     }
@@ -203,7 +205,7 @@ class Conversation {
     }
   }
 
-  void tell_failure(const IntegrityError& error) {
+  void tell_failure(const std::runtime_error& error) {
     tell_collector(wire::COLLECTOR_FAILED, error.what());
     collector_news_.wait_acknowledged(farewell_time);
   }
@@ -277,7 +279,7 @@ class Conversation {
   runtime::Notifier& notifier_;
   const ServiceOptions& options_;
   const experiment::Experiment& experiment_;
-  store::ResultStore store_;
+  store::ResultStore& store_;
   Instruments instruments_;
   StatusBoard board_;
   Collector collector_;
@@ -310,9 +312,17 @@ class Conversation {
 void collect(runtime::Service& service, const ServiceOptions& options) {
   const experiment::Experiment experiment =
       experiment::parse(read_file(options.experiment), options.experiment.string());
-  Conversation conversation(service, options, experiment);
-  conversation.run();
-  if (options.summary && !service.stop.requested()) conversation.conclude();
+  store::MadeResults made;
+  try {
+    store::ResultStore store = store::ResultStore::open_for_writing(options.results, experiment);
+    made = store.made();
+    Conversation conversation(service, options, experiment, store);
+    conversation.run();
+    if (options.summary && !service.stop.requested()) conversation.conclude();
+  } catch (const InputError&) {
+    store::take_back(made);
+    throw;
+  }
 }
 
 }  // namespace aloft::metrics

@@ -19,7 +19,8 @@ struct ServiceOptions {
 };
 
 /// Stores what the channels report until the run ends or a stop is requested. InputError if the experiment, the results
-/// or the port cannot be used; IntegrityError if a flight comes with two different traces.
+/// or the port cannot be used: then nothing is left that was not there; IntegrityError if a flight comes with two
+/// different traces; store::ResultsGone if the results are deleted, moved or replaced meanwhile.
 void collect(runtime::Service& service, const ServiceOptions& options);
 
 }  // namespace aloft::metrics

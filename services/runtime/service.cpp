@@ -61,8 +61,28 @@ void open_first_log(const std::string& name) {
   spdlog::set_default_logger(std::move(logger));
 }
 
+/// The log folder, if this process had to make it. One that is refused takes it back: it has nothing to tell but what
+/// it says on standard error.
+class MadeLog {
+ public:
+  void make(const std::filesystem::path& file) {
+    for (auto folder = file.parent_path(); !folder.empty() && !std::filesystem::exists(folder);
+         folder = folder.parent_path())
+      made_.push_back(folder);
+    if (!made_.empty()) made_.insert(made_.begin(), file);
+    std::filesystem::create_directories(file.parent_path());
+  }
+  void take_back() const {
+    std::error_code ignored;  // a folder with something in it stays
+    for (const std::filesystem::path& path : made_) std::filesystem::remove(path, ignored);
+  }
+
+ private:
+  std::vector<std::filesystem::path> made_;  // innermost first
+};
+
 /// The file takes everything from the chosen level on, standard error only warnings and worse (--verbose: too).
-void open_log(const CommonOptions& options, const ServiceInfo& info) {
+void open_log(const CommonOptions& options, const ServiceInfo& info, MadeLog& made) {
   const std::string name = options.bus.worker.empty() ? info.name : info.name + "-" + options.bus.worker;
   auto console = std::make_shared<spdlog::sinks::stderr_sink_mt>();
   if (!options.verbose) console->set_level(spdlog::level::warn);
@@ -70,7 +90,7 @@ void open_log(const CommonOptions& options, const ServiceInfo& info) {
   if (!options.log_dir.empty()) {
     const std::filesystem::path file = options.log_dir / (name + ".log");
     try {
-      std::filesystem::create_directories(options.log_dir);
+      made.make(file);
       sinks.push_back(std::make_shared<spdlog::sinks::rotating_file_sink_mt>(file.string(), log_file_bytes, log_files));
     } catch (const std::exception& error) {
       throw InputError(
@@ -91,11 +111,12 @@ void follow_parent() {
 }
 
 /// Runs `work`, telling people what went wrong. Returns the exit code.
-int guarded(const std::function<int()>& work) {
+int guarded(const MadeLog& made, const std::function<int()>& work) {
   try {
     return work();
   } catch (const InputError& error) {
     spdlog::error("{}", error.what());
+    made.take_back();
     return exit_bad_input;
   } catch (const std::exception& error) {
     spdlog::critical("{}", error.what());
@@ -103,11 +124,12 @@ int guarded(const std::function<int()>& work) {
   }
 }
 
-int serve(const CommonOptions& options, const ServiceInfo& info, const std::function<void(Service&)>& run) {
+int serve(const CommonOptions& options, const ServiceInfo& info, const std::function<void(Service&)>& run,
+          MadeLog& made) {
   Notifier notifier;     // changes the environment:
   bus::StopSignal stop;  // both before any other thread
   if (options.die_with_parent) follow_parent();
-  open_log(options, info);
+  open_log(options, info, made);
   Service service{options.bus, stop, notifier};
   service.bus.process = info.name;
   if (!service.bus.secure.empty()) service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
@@ -137,7 +159,8 @@ int run_service(int argc, char** argv, const ServiceInfo& info, const std::funct
     spdlog::error("{}; see {} --help", error.what(), info.name);
     return exit_bad_input;
   }
-  const int code = guarded([&] { return serve(options, info, run); });
+  MadeLog made;
+  const int code = guarded(made, [&] { return serve(options, info, run, made); });
   spdlog::shutdown();
   return code;
 }

@@ -1,4 +1,5 @@
 // A disk that is full, and results that were damaged: nothing is lost, and no number is ever wrong.
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/mount.h>
@@ -22,6 +23,34 @@ using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
 namespace {
+
+/// A file system of 1 MB; needs own_mounts().
+class SmallDisk {
+ public:
+  explicit SmallDisk(fs::path at) : at_(std::move(at)) {
+    fs::create_directories(at_);
+    REQUIRE(mount("tmpfs", at_.c_str(), "tmpfs", 0, "size=1m") == 0);
+  }
+  ~SmallDisk() { umount2(at_.c_str(), MNT_DETACH); }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  void grow() const { REQUIRE(mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT, "size=200m") == 0); }
+
+ private:
+  fs::path at_;
+};
+
+/// The run into "full" fills its disk, says so and waits.
+void check_pauses(const FaultScene& scene, Command& run) {
+  CHECK(eventually(60s, [&] { return run.error_so_far().find("is full") != std::string::npos || !run.running(); }));
+  INFO(run.error_so_far());
+  CHECK(run.running());
+  CHECK_THAT(run.error_so_far(), Contains("flights wait, nothing can be stored") && Contains("make room"));
+  const int stored = scene.stored("full");
+  CHECK(stored < scene.flights());
+  std::this_thread::sleep_for(2s);
+  CHECK(scene.stored("full") == stored);
+}
 
 /// One way to damage a file, as a function of its bytes.
 std::string damaged(const std::string& bytes, RandomStream& random) {
@@ -58,23 +87,21 @@ bool is_refusal(const Finished& finished) {
 TEST_CASE("a full disk pauses a run with a clear message; it goes on when there is space", "[storage][needs-mounts]") {
   if (!own_mounts()) return;
   const FaultScene scene(30);
-  fs::create_directories(scene.out("full"));
-  const std::string at = scene.out("full").string();
-  REQUIRE(mount("tmpfs", at.c_str(), "tmpfs", 0, "size=1m") == 0);
-  {
-    const auto run = scene.start("full", {"--workers", "2"});
-    CHECK(eventually(60s, [&] { return run->error_so_far().find("is full") != std::string::npos || !run->running(); }));
-    INFO(run->error_so_far());
-    CHECK(run->running());
-    CHECK_THAT(run->error_so_far(), Contains("flights wait, nothing can be stored") && Contains("make room"));
-    const int stored = scene.stored("full");
-    CHECK(stored < scene.flights());
-    std::this_thread::sleep_for(2s);
-    CHECK(scene.stored("full") == stored);
-    REQUIRE(mount("tmpfs", at.c_str(), "tmpfs", MS_REMOUNT, "size=200m") == 0);
+  const std::vector<std::string> over_dds{"--workers", "2"};
+  const std::vector<std::string> in_process{"--workers", "2", "--in-process"};
+  for (const auto& options : {over_dds, in_process}) {
+    const SmallDisk disk(scene.out("full"));
+    auto run = scene.start("full", options);
+    check_pauses(scene, *run);
+    if (options == in_process) {  // Ctrl-C works meanwhile, and the same command waits again
+      run->send(SIGINT);
+      CHECK(run->wait(10s).exit_code == 130);
+      run = scene.start("full", options);
+      check_pauses(scene, *run);
+    }
+    disk.grow();
     scene.check_finished("full", *run, 120s);
   }
-  umount2(at.c_str(), MNT_DETACH);
 }
 
 TEST_CASE("damaged results are refused with a hint, or give the right numbers", "[storage]") {
@@ -111,6 +138,30 @@ TEST_CASE("damaged results are refused with a hint, or give the right numbers", 
     if (!is_refusal(finished)) CHECK(scene.digest("reference") == scene.reference());
   }
   CHECK(refused > 10);
+}
+
+TEST_CASE("rows that were removed are noticed by digest, compare and run", "[storage]") {
+  const FaultScene scene(2);
+  for (const char* removal :
+       {"DELETE FROM trace WHERE flight = 3", "DELETE FROM experiment", "DELETE FROM flight WHERE id = 3",
+        "DELETE FROM flight WHERE id >= 3; DELETE FROM trace WHERE flight >= 3"}) {
+    INFO(removal);
+    const std::string dir = scene.out("removed").string();
+    fs::copy(scene.out("reference"), dir);
+    SQLite::Database(dir + "/results.sqlite", SQLite::OPEN_READWRITE).exec(removal);
+    for (const auto& command :
+         std::vector<std::vector<std::string>>{{"aloft", "digest", dir},
+                                               {"aloft", "compare", scene.out("reference").string(), dir},
+                                               {"aloft", "export", dir, "--flights", "--format", "csv"},
+                                               scene.run_arguments("removed", {}),
+                                               scene.run_arguments("removed", {"--in-process"})}) {
+      const Finished finished = run_command(command);
+      CHECK(finished.exit_code == 1);
+      CHECK_THAT(finished.err, Contains("results.sqlite' is damaged") && Contains("Restore the folder"));
+      CHECK(finished.out.empty());
+    }
+    fs::remove_all(dir);
+  }
 }
 
 TEST_CASE("a damaged write-ahead log loses at most flights, which the same command flies again", "[storage]") {

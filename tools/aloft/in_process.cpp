@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/permutation.hpp"
@@ -12,6 +15,12 @@
 
 namespace aloft::cli {
 namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto look_period = 500ms;       // at the result folder
+constexpr auto full_retry_time = 1000ms;  // after the disk was full
+constexpr auto interrupt_period = 50ms;
 
 struct Flown {
   experiment::FlightKey key;
@@ -36,11 +45,14 @@ class Run {
         done_(stored_.size()) {}
 
   std::vector<std::string> fly_all(unsigned threads) {
-    {
-      std::vector<std::jthread> pool;
-      threads_ = threads;
-      for (unsigned i = 0; i < threads; ++i) pool.emplace_back([this] { fly_trials(); });
+    std::vector<std::future<void>> pool;
+    threads_ = threads;
+    for (unsigned i = 0; i < threads; ++i) pool.push_back(std::async(std::launch::async, [this] { fly_trials(); }));
+    for (std::future<void>& thread : pool) {
+      while (thread.wait_for(look_period) != std::future_status::ready) look_at_folder();
+      thread.get();
     }
+    if (gone_) throw store::ResultsGone(*gone_);
     return std::move(failures_);
   }
 
@@ -93,6 +105,9 @@ class Run {
     try {
       work();
       return true;
+    } catch (const store::ResultsGone& error) {
+      give_up(error);
+      return false;
     } catch (const std::exception& error) {
       fail(fmt::format("condition {} ({}), trial {}: {}", condition.index, condition.name, trial, error.what()));
       return false;
@@ -130,13 +145,45 @@ class Run {
     return std::move(*memory);
   }
 
+  /// Waits for room if the disk is full.
   void store_all(const std::vector<Flown>& flown) {
+    bool waits = false;
+    do {
+      try {
+        const std::scoped_lock lock(mutex_);
+        if (std::exchange(waits, false)) waiting_ -= flown.size();
+        results_.batch([&] {
+          for (const Flown& flight : flown) results_.add(flight.key, flight.trace, flight.memory);
+        });
+        done_ += flown.size();
+        progress_.update(done_, threads_, threads_, "");
+        return;
+      } catch (const store::StoreFull& error) {
+        const std::scoped_lock lock(mutex_);
+        waits = true;
+        waiting_ += flown.size();
+        progress_.update(done_, threads_, threads_,
+                         fmt::format("{} flights wait, nothing can be stored: {}; trying again every second", waiting_,
+                                     error.what()));
+      }
+      for (auto waited = 0ms; waited < full_retry_time && !stop(); waited += interrupt_period)
+        std::this_thread::sleep_for(interrupt_period);
+    } while (!stop());
+  }
+
+  void look_at_folder() {
+    try {
+      results_.check_in_place();
+    } catch (const store::ResultsGone& error) {
+      give_up(error);
+    }
+  }
+
+  void give_up(const store::ResultsGone& error) {
     const std::scoped_lock lock(mutex_);
-    results_.batch([&] {
-      for (const Flown& flight : flown) results_.add(flight.key, flight.trace, flight.memory);
-    });
-    done_ += flown.size();
-    progress_.update(done_, threads_, threads_, "");
+    failed_ = true;
+    if (!gone_) progress_.note("the results are no longer in place: stops when the flights in the air have ended");
+    gone_ = error.what();
   }
 
   void fail(std::string line) {
@@ -160,7 +207,9 @@ class Run {
   std::atomic<bool> failed_ = false;
   std::mutex mutex_;
   std::uint64_t done_;
+  std::uint64_t waiting_ = 0;  // for room on the disk
   std::vector<std::string> failures_;
+  std::optional<std::string> gone_;
 };
 
 }  // namespace

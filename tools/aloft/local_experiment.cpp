@@ -36,13 +36,15 @@ bool all_there(const std::filesystem::path& dir, std::vector<std::string>& failu
   return missing.flights == 0;
 }
 
-/// Returns true if every flight is stored; what failed for good is added to `failures`.
+/// Returns true if every flight is stored; what failed for good is added to `failures`, and what it had to make is told
+/// in `made`.
 bool fly_missing(const experiment::Experiment& experiment, const std::filesystem::path& dir,
-                 const FlyingOptions& options, const std::atomic<bool>& interrupted,
-                 std::vector<std::string>& failures) {
+                 const FlyingOptions& options, const std::atomic<bool>& interrupted, std::vector<std::string>& failures,
+                 store::MadeResults& made) {
   const std::uint64_t total =
       std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size();
   auto results = std::make_unique<store::ResultStore>(store::ResultStore::open_for_writing(dir, experiment));
+  made = results->made();
   const std::uint64_t already_done = results->keys().size();
   Progress progress(total, already_done);
   if (already_done > 0)
@@ -129,7 +131,14 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
   std::optional<RunName> name;
   if (!options.in_process && !options.bus.run.empty()) name.emplace(options.bus, interrupted);
   std::vector<std::string> failures;
-  const bool complete = fly_missing(experiment, dir, options, interrupted, failures);
+  bool complete = false;
+  store::MadeResults made;
+  try {
+    complete = fly_missing(experiment, dir, options, interrupted, failures, made);
+  } catch (const InputError&) {
+    store::take_back(made);
+    throw;
+  }
   for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", plain_text(line));
   if (interrupted) {
     fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n",

@@ -11,6 +11,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/network.hpp"
 #include "common/bus/waiter.hpp"
+#include "common/store/result_folder.hpp"
 #include "services/runtime/sole_coordinator.hpp"
 #include "tools/aloft/processes.hpp"
 
@@ -55,6 +56,16 @@ std::string join_arguments(const bus::BusOptions& place) {
   return text;
 }
 
+/// Before a collector that has failed for that is started again, and makes a new folder.
+void check_in_place(const store::FolderWatch& results, Processes& processes) {
+  try {
+    results.check();
+  } catch (const store::ResultsGone&) {
+    processes.stop(stop_limit);
+    throw;
+  }
+}
+
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -93,12 +104,14 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
 
   if (run.workers == 0 || !run.place.run.empty())
     progress.note(fmt::format("Workers join with: aloft worker --join {}", join_arguments(place)));
+  const store::FolderWatch results = store::watch_results(run.dir);
   Processes processes(place, run.dir / "log");
   add_services(processes, run);
   processes.start_all();
   wire::RunStatus last;
   while (!processes.decision() && !interrupted) {
     waiter.wait(poll_period);
+    check_in_place(results, processes);
     statuses.drain([&](const wire::RunStatus& status) {
       last = status;
       progress.update(status.flights_stored(), status.workers_alive(), run.workers, status.message().to_string());

@@ -37,7 +37,8 @@ class RunName {
 /// Of a secured run the keys have been checked. Starts metrics, coordinator and workers, and the discovery server if
 /// its address is one of this machine; restarts what dies, shows progress, and ends them all. Returns true if every
 /// flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
-/// InputError if the coordinator refuses to work.
+/// InputError if the coordinator refuses to work; store::ResultsGone if the folder is deleted, moved or replaced
+/// meanwhile.
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 

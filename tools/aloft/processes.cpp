@@ -24,9 +24,7 @@ std::filesystem::path program_path(const std::string& program) {
 }
 
 Processes::Processes(bus::BusOptions place, std::filesystem::path log_dir)
-    : place_(std::move(place)), log_dir_(std::move(log_dir)) {
-  std::filesystem::create_directories(log_dir_);
-}
+    : place_(std::move(place)), log_dir_(std::move(log_dir)) {}
 
 void Processes::add(const std::string& program, const std::vector<std::string>& more) {
   add(program, "", more, {});
@@ -61,6 +59,7 @@ void Processes::add(const std::string& program, const std::string& worker, const
 }
 
 void Processes::start_all() {
+  std::filesystem::create_directories(log_dir_);
   for (const Command& command : commands_) start(command.name);
 }
 

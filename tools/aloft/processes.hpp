@@ -21,7 +21,7 @@ namespace aloft::cli {
 /// Services that belong together on this machine: started, started again when they die, and ended together.
 class Processes {
  public:
-  /// All take the same place on the bus, and write their logs into `log_dir`, which is made.
+  /// All take the same place on the bus, and write their logs into `log_dir`, which is made when they are started.
   Processes(bus::BusOptions place, std::filesystem::path log_dir);
 
   /// A service by the name of its program, and its further arguments.

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace aloft::store {
+
+/// The result folder was deleted, moved or replaced under those who write into it. What they write goes into files that
+/// nobody may ever find again: stop.
+class ResultsGone : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Notices when files of a result folder are no longer the ones that they were when the watch began.
+class FolderWatch {
+ public:
+  /// Watches those of `names` in `dir` that are there now.
+  FolderWatch(std::filesystem::path dir, const std::vector<std::string>& names);
+  ~FolderWatch();
+  FolderWatch(FolderWatch&&) noexcept = default;
+  FolderWatch& operator=(FolderWatch&&) = delete;
+
+  /// Throws ResultsGone that says which file, and what to do. From any thread.
+  void check() const;
+
+ private:
+  struct File {
+    std::filesystem::path path;
+    int fd;  // keeps its inode from being given to another file
+  };
+  std::filesystem::path dir_;
+  std::vector<File> files_;
+};
+
+/// The watch over DIR/results.sqlite, for who does not write into it but starts those who do.
+[[nodiscard]] FolderWatch watch_results(const std::filesystem::path& dir);
+
+/// What opening a result folder for writing had to make.
+struct MadeResults {
+  std::filesystem::path dir;
+  std::vector<std::filesystem::path> folders;  ///< outermost first
+  bool database = false;
+  bool log_is_new = false;  ///< there was no log folder before
+};
+
+/// Makes `dir` if it is not there. InputError if that cannot be done, or if it holds other files but no results.
+[[nodiscard]] MadeResults make_folder(const std::filesystem::path& dir);
+
+/// For a run that is refused after it made its result folder: removes what it made, logs included. Leaves everything
+/// where it is if flights are stored, or if somebody else writes there.
+void take_back(const MadeResults& made);
+
+}  // namespace aloft::store

@@ -45,12 +45,12 @@ bool AgentDirectory::update(const wire::AgentStatus& status, Clock::time_point n
   return added;
 }
 
-std::vector<std::string> AgentDirectory::expire(Clock::time_point now) {
-  std::vector<std::string> gone;
+std::map<std::string, std::vector<std::string>> AgentDirectory::expire(Clock::time_point now) {
+  std::map<std::string, std::vector<std::string>> gone;
   for (auto& [name, entry] : agents_) {
     if (entry.lost || now - entry.seen <= silence_limit) continue;
     entry.lost = true;
-    gone.push_back(name);
+    gone[std::string(wire::view(entry.news.process()))].push_back(name);
   }
   return gone;
 }

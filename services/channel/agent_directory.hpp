@@ -29,9 +29,9 @@ class AgentDirectory {
 
   /// Returns true if the agent was not there before.
   bool update(const wire::AgentStatus& status, Clock::time_point now);
-  /// Returns the names of those that have been silent for 3 s since the last call: they are lost until they speak
-  /// again.
-  std::vector<std::string> expire(Clock::time_point now);
+  /// Returns the names of those that have been silent for 3 s since the last call, by their process: they are lost
+  /// until they speak again.
+  std::map<std::string, std::vector<std::string>> expire(Clock::time_point now);
 
   /// A flight needs this agent, which is not there.
   void miss(std::string_view agent, Clock::time_point now);

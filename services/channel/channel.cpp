@@ -47,6 +47,11 @@ double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
+/// "agent dqn", "agents dqn, planner".
+std::string agents_text(const std::vector<std::string>& names) {
+  return fmt::format("agent{} {}", names.size() == 1 ? "" : "s", fmt::join(names, ", "));
+}
+
 /// Attempts must differ from those of a channel that this one replaces: they count on from the time of day.
 std::uint32_t first_attempt() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -115,8 +120,8 @@ struct Channel::State {
   }
 
   void tick() {
-    for (const std::string& name : agents.expire(now)) {
-      spdlog::warn("agent {} is silent; its flights wait", name);
+    for (const auto& [process, names] : agents.expire(now)) {
+      spdlog::warn("{} is silent; flights wait for {}", process, agents_text(names));
       changed = true;
     }
     for (std::unique_ptr<Episode>& episode : episodes) {
@@ -434,9 +439,17 @@ struct Channel::State {
     for (const std::unique_ptr<Episode>& episode : episodes)
       if (episode && episode->silence(now) > missing_after)
         silent[episode->awaited()] = std::max(silent[episode->awaited()], episode->silence(now));
-    for (const auto& [name, silence] : silent)
-      peers.push_back(fmt::format("agent {} (no command for {:.0f} s)", name, seconds(silence)));
-    for (const std::string& name : absent_agents()) peers.push_back(fmt::format("agent {} (not there)", name));
+    if (!silent.empty()) {
+      std::vector<std::string> names;
+      Clock::duration longest{};
+      for (const auto& [name, silence] : silent) {
+        names.push_back(name);
+        longest = std::max(longest, silence);
+      }
+      peers.push_back(fmt::format("{} (no command for {:.0f} s)", agents_text(names), seconds(longest)));
+    }
+    if (const std::vector<std::string> names = absent_agents(); !names.empty())
+      peers.push_back(fmt::format("{} (not there)", agents_text(names)));
     if (outbox.silence(now) > missing_after)
       peers.push_back(fmt::format("the collector ({} records unconfirmed)", outbox.size()));
     if (worlds.matched() > 0) environment_seen = now;

@@ -188,17 +188,34 @@ TEST_CASE("an agent is there as long as it says so") {
   AgentDirectory agents;
   wire::AgentStatus status;
   status.agent(wire::name("dqn"));
+  status.process(wire::name("aloft-learning-agent"));
   status.state(wire::AGENT_READY);
   CHECK(agents.update(status, start));
   CHECK_FALSE(agents.update(status, start + 1s));
   CHECK(agents.expire(start + 4s).empty());
   CHECK(agents.find("dqn") != nullptr);
-  CHECK(agents.expire(start + 4001ms) == std::vector<std::string>{"dqn"});
+  CHECK(agents.expire(start + 4001ms) ==
+        std::map<std::string, std::vector<std::string>>{{"aloft-learning-agent", {"dqn"}}});
   CHECK(agents.find("dqn") == nullptr);
   CHECK(agents.update(status, start));
   status.state(wire::AGENT_STOPPED);
   agents.update(status, start);
   CHECK(agents.find("dqn") == nullptr);
+}
+
+TEST_CASE("agents that are lost with their process are told together") {
+  AgentDirectory agents;
+  for (const auto& [agent, process] :
+       std::map<std::string, std::string>{{"dqn", "learner"}, {"min-height", "baselines"}, {"planner", "baselines"}}) {
+    wire::AgentStatus status;
+    status.agent(wire::name(agent));
+    status.process(wire::name(process));
+    status.state(wire::AGENT_READY);
+    CHECK(agents.update(status, agent == "dqn" ? start + 2s : start));
+  }
+  CHECK(agents.expire(start + 4s) ==
+        std::map<std::string, std::vector<std::string>>{{"baselines", {"min-height", "planner"}}});
+  CHECK(agents.expire(start + 4s).empty());
 }
 
 TEST_CASE("lanes are given to one trial at a time, and past leases are remembered") {

@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "common/base/plain_text.hpp"
+#include "common/base/text_layout.hpp"
 #include "services/status/run_view.hpp"
 
 namespace aloft::status {
@@ -17,18 +21,24 @@ std::string text(const Json& object, const char* key) {
   return plain_text(object.at(key).get_ref<const std::string&>());
 }
 
-/// "dqn flying, planner lost since 0:12"; those that are merely there by name only.
+/// "dqn flying, planner, LOST for 0:12: min-height, random-walk (aloft-baseline-agent)"; those that are merely there by
+/// name only, those that were lost with their process together.
 std::string agents_text(const Json& agents) {
   std::vector<std::string> parts;
+  std::map<std::string, std::pair<std::vector<std::string>, double>> lost;  // by process
   for (const Json& agent : agents) {
     const std::string state = text(agent, "state");
-    std::string part = text(agent, "agent");
-    if (state == "lost")
-      part += " LOST for " + clock_text(agent["silent_s"]);
-    else if (state != "ready")
-      part += " " + state;
-    parts.push_back(std::move(part));
+    if (state == "lost") {
+      auto& [names, silent_s] = lost[text(agent, "process")];
+      names.push_back(text(agent, "agent"));
+      silent_s = std::max(silent_s, agent["silent_s"].get<double>());
+    } else {
+      parts.push_back(text(agent, "agent") + (state == "ready" ? "" : " " + state));
+    }
   }
+  for (const auto& [process, those] : lost)
+    parts.push_back(
+        fmt::format("LOST for {}: {} ({})", clock_text(those.second), fmt::join(those.first, ", "), process));
   return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -37,18 +47,30 @@ std::string worker_state(const Json& worker) {
   return state == "lost" ? "LOST " + clock_text(worker["silent_s"]) : state;
 }
 
-std::string workers_table(const Json& workers) {
-  std::string table = fmt::format("  {:<12} {:<16} {:<10} {:>6} {:>9} {:>9} {:>9} {:>8} {:>6}\n", "worker", "host",
-                                  "state", "leases", "flights", "flights/s", "steps/s", "unstored", "drops");
+std::string workers_text(const Json& workers, std::size_t width) {
+  TextTable table({{"worker"},
+                   {"host", 4},
+                   {"state"},
+                   {"leases", 3},
+                   {"flights"},
+                   {"flights/s"},
+                   {"steps/s", 2},
+                   {"unstored", 5},
+                   {"drops", 1}});
+  std::string agents;
   for (const Json& worker : workers) {
-    table += fmt::format("  {:<12} {:<16} {:<10} {:>6} {:>9} {:>9.1f} {:>9.0f} {:>8} {:>6}\n", text(worker, "worker"),
-                         text(worker, "host"), worker_state(worker), worker["leases"].size(),
-                         worker["flights_done"].get<std::uint64_t>(), worker["flights_per_s"].get<double>(),
-                         worker["steps_per_s"].get<double>(), worker["records_unconfirmed"].get<std::uint64_t>(),
-                         worker["drops"].get<std::uint64_t>());
-    table += "    agents: " + agents_text(worker["agents"]) + "\n";
+    table.add({text(worker, "worker"), text(worker, "host"), worker_state(worker),
+               std::to_string(worker["leases"].size()), std::to_string(worker["flights_done"].get<std::uint64_t>()),
+               fmt::format("{:.1f}", worker["flights_per_s"].get<double>()),
+               fmt::format("{:.0f}", worker["steps_per_s"].get<double>()),
+               std::to_string(worker["records_unconfirmed"].get<std::uint64_t>()),
+               std::to_string(worker["drops"].get<std::uint64_t>())});
+    // Of a worker that is lost, so are all its agents.
+    if (text(worker, "state") == "alive")
+      agents +=
+          wrapped(agents_text(worker["agents"]), width, fmt::format("  {} flies: ", text(worker, "worker")), "      ");
   }
-  return table;
+  return table.text({.width = width}, table.fitting_rank({.width = width})) + agents;
 }
 
 /// What a person should know about: who is silent, what waits, the last failures.
@@ -90,22 +112,26 @@ std::string run_line(const Json& run) {
                      trouble.empty() ? "" : trouble.front());
 }
 
-std::string run_text(const Json& run) {
+std::string run_text(const Json& run, std::size_t width) {
   const Json& trials = run["trials"];
-  std::string out = fmt::format("run {}", text(run, "run"));
-  if (!text(run, "experiment").empty())
-    out += fmt::format(", experiment {} ({})", text(run, "experiment"), text(run, "experiment_id"));
-  out += fmt::format("\n  {}: {}/{} flights  {:.1f} flights/s  {:.0f} steps/s  ETA {}\n", text(run, "state"),
-                     run["flights_stored"].get<std::uint64_t>(), run["flights_total"].get<std::uint64_t>(),
-                     run["flights_per_s"].get<double>(), run["steps_per_s"].get<double>(),
-                     run["eta_s"].is_null() ? "-:--" : clock_text(run["eta_s"]));
-  out += fmt::format("  trials: {} done, {} leased, {} pending, {} failed; collector: {}\n",
-                     trials["done"].get<std::uint64_t>(), trials["leased"].get<std::uint64_t>(),
-                     trials["pending"].get<std::uint64_t>(), trials["failed"].get<std::uint64_t>(),
-                     text(run["collector"], "state"));
-  out += run["workers"].empty() ? "  no worker has been heard\n" : workers_table(run["workers"]);
-  for (const std::string& line : troubles(run)) out += "  ! " + line + "\n";
-  return out;
+  const std::string name = text(run, "experiment");
+  std::string lines =
+      wrapped(fmt::format("run {}{}", text(run, "run"),
+                          name.empty() ? "" : fmt::format(", experiment {} ({})", name, text(run, "experiment_id"))),
+              width);
+  lines += wrapped(fmt::format("{}: {}/{} flights  {:.1f} flights/s  {:.0f} steps/s  ETA {}", text(run, "state"),
+                               run["flights_stored"].get<std::uint64_t>(), run["flights_total"].get<std::uint64_t>(),
+                               run["flights_per_s"].get<double>(), run["steps_per_s"].get<double>(),
+                               run["eta_s"].is_null() ? "-:--" : clock_text(run["eta_s"])),
+                   width, "  ", "    ");
+  lines += wrapped(fmt::format("trials: {} done, {} leased, {} pending, {} failed; collector: {}",
+                               trials["done"].get<std::uint64_t>(), trials["leased"].get<std::uint64_t>(),
+                               trials["pending"].get<std::uint64_t>(), trials["failed"].get<std::uint64_t>(),
+                               text(run["collector"], "state")),
+                   width, "  ", "    ");
+  lines += run["workers"].empty() ? "  no worker has been heard\n" : workers_text(run["workers"], width);
+  for (const std::string& line : troubles(run)) lines += wrapped(line, width, "  ! ", "    ");
+  return lines;
 }
 
 }  // namespace aloft::status

@@ -92,6 +92,7 @@ void RunView::on_control(const wire::RunControl& control) {
 void RunView::on_run(const wire::RunStatus& status, Clock::time_point now) {
   run_ = status;
   run_heard_ = now;
+  pace_.update(status.flights_stored(), !wire::view(status.message()).empty(), now);
 }
 
 void RunView::on_worker(const wire::WorkerStatus& status, Clock::time_point now) {
@@ -165,7 +166,7 @@ Json RunView::to_json(const Worker& worker, Clock::time_point now) {
 Json RunView::to_json(Clock::time_point now) const {
   const wire::RunStatus run = run_.value_or(wire::RunStatus());
   Json eta;
-  if (run_ && run.flights_per_s() > 0.0)
+  if (run_ && run.flights_per_s() > 0.0 && !pace_.blocked_for(now))
     eta = std::round(static_cast<double>(run.flights_total() - std::min(run.flights_stored(), run.flights_total())) /
                      run.flights_per_s());
   Json workers = Json::array();

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/bus/wire.hpp"
+#include "services/status/pace.hpp"
 
 namespace aloft::status {
 
@@ -52,13 +53,15 @@ class RunView {
   std::string name_;
   std::string experiment_;
   std::optional<wire::RunStatus> run_;
+  Pace pace_;
   Clock::time_point run_heard_;
   std::optional<wire::CollectorStatus> collector_;
   std::map<std::string, Worker> workers_;
 };
 
-/// The same for people: a table of some lines, the troubles last. `run`: what RunView::to_json() gave.
-[[nodiscard]] std::string run_text(const nlohmann::ordered_json& run);
+/// The same for people, in lines of at most `width` columns: a table of the workers, the troubles last. `run`: what
+/// RunView::to_json() gave.
+[[nodiscard]] std::string run_text(const nlohmann::ordered_json& run, std::size_t width);
 /// One line.
 [[nodiscard]] std::string run_line(const nlohmann::ordered_json& run);
 /// 75 -> "1:15", 3700 -> "1:01:40".

@@ -1,6 +1,9 @@
 #include "services/status/run_view.hpp"
 
 #include <catch2/catch.hpp>
+#include <sstream>
+
+#include "common/base/text_layout.hpp"
 
 using namespace aloft;
 using namespace std::chrono_literals;
@@ -83,7 +86,8 @@ TEST_CASE("a run is told with the rates of its workers, the time left, and who f
   CHECK(worker["agents"][1]["state"] == "shadow");
   CHECK(worker["agents"][2]["state"] == "lost");
   CHECK(worker["agents"][2]["silent_s"] == 12.0);
-  CHECK_THAT(status::run_text(json), Contains("dqn flying, planner shadow, min-height LOST for 0:12"));
+  CHECK_THAT(status::run_text(json, unlimited_width),
+             Contains("w0 flies: dqn flying, planner shadow, LOST for 0:12: min-height (aloft-learning-agent)"));
   CHECK(status::run_line(json) == "demo: running  40/100 flights  1.5 flights/s  ETA 0:40  workers 1");
 }
 
@@ -94,7 +98,8 @@ TEST_CASE("who falls silent is named with the time since", "[status]") {
   auto json = view.to_json(start + 65s);
   CHECK(json["workers"][0]["state"] == "lost");
   CHECK(json["workers"][0]["agents"][0]["state"] == "lost");
-  CHECK_THAT(status::run_text(json), Contains("LOST 1:05") && Contains("the coordinator has been silent for 1:05"));
+  CHECK_THAT(status::run_text(json, unlimited_width),
+             Contains("LOST 1:05") && !Contains("LOST for") && Contains("the coordinator has been silent for 1:05"));
 
   view.forget_old(start + 9min);
   CHECK(view.to_json(start)["workers"].size() == 1);
@@ -107,6 +112,37 @@ TEST_CASE("who falls silent is named with the time since", "[status]") {
   CHECK(view.to_json(start + 5s)["workers"][0]["state"] == "left");
   view.forget_old(start + 11s);
   CHECK(view.to_json(start)["workers"].empty());
+}
+
+TEST_CASE("there is no time left to tell while nothing is stored", "[status]") {
+  status::RunView view("demo");
+  view.on_run(run_news(), start);
+  CHECK(view.to_json(start + 1s)["eta_s"] == 40.0);
+  auto waiting = run_news();
+  waiting.message("no worker for 5 s; waiting for one to join");
+  view.on_run(waiting, start + 3s);
+  CHECK(view.to_json(start + 3s)["eta_s"].is_null());
+  CHECK_THAT(status::run_line(view.to_json(start + 3s)), Contains("ETA -:--"));
+  waiting.flights_stored(41);
+  view.on_run(waiting, start + 4s);
+  CHECK(view.to_json(start + 4s)["eta_s"] == 39.0);
+}
+
+TEST_CASE("a run fits a narrow terminal, and a lost worker is one line", "[status]") {
+  status::RunView view("a-run-with-a-name-that-is-rather-long-for-a-terminal");
+  auto news = run_news();
+  news.message("no worker has been heard for a while, so everything that is there waits until one joins this run");
+  view.on_run(news, start);
+  view.on_worker(worker_news(10, 1000), start);
+  const std::string alive = status::run_text(view.to_json(start + 1s), 60);
+  INFO(alive);
+  std::istringstream lines(alive);
+  for (std::string line; std::getline(lines, line);) CHECK(display_width(line) <= 60);
+  const std::string lost = status::run_text(view.to_json(start + 20s), 60);
+  std::size_t about_it = 0;
+  std::istringstream lost_lines(lost);
+  for (std::string line; std::getline(lost_lines, line);) about_it += line.find("w0") != std::string::npos ? 1U : 0U;
+  CHECK(about_it == 1);
 }
 
 TEST_CASE("a worker that restarted counts its rates anew", "[status]") {
@@ -125,7 +161,8 @@ TEST_CASE("messages cannot command the terminal", "[status]") {
   auto news = run_news();
   news.message("trial 3 failed\n\033[2Jtrial 4 failed");
   view.on_run(news, start);
-  CHECK_THAT(status::run_text(view.to_json(start)), Contains("! trial 3 failed; \\x1b[2Jtrial 4 failed\n"));
+  CHECK_THAT(status::run_text(view.to_json(start), unlimited_width),
+             Contains("! trial 3 failed; \\x1b[2Jtrial 4 failed\n"));
 }
 
 TEST_CASE("what cannot be read of an experiment is left out", "[status]") {

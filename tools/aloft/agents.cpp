@@ -1,9 +1,13 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
 #include "common/agents/relay.hpp"
+#include "common/base/terminal.hpp"
+#include "common/base/text_layout.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -25,39 +29,92 @@ nlohmann::json as_json(const AgentType& type) {
 
 std::string range_of(const nlohmann::json& property) {
   if (property.contains("enum")) {
-    std::string text;
-    for (const auto& choice : property["enum"]) text += (text.empty() ? "" : " | ") + choice.get<std::string>();
-    return text;
+    std::vector<std::string> choices;
+    for (const auto& choice : property["enum"]) choices.push_back(choice.get<std::string>());
+    return fmt::format("{}", fmt::join(choices, " or "));
   }
   if (property.contains("minimum"))
-    return fmt::format("{} .. {}", property["minimum"].dump(), property["maximum"].dump());
-  return property.value("type", "");
+    return fmt::format("{} to {}", property["minimum"].dump(), property["maximum"].dump());
+  return property.value("type", "") == "boolean" ? "true or false" : "a text";
 }
 
-void print_table(std::span<const ParameterSpec> table) {
+/// Prints items of lines that fit the terminal.
+class Printer {
+ public:
+  void item(std::size_t indent, const std::string& text) const {
+    fmt::print("{}", wrapped(text, width_, std::string(indent, ' '), std::string(indent + 4, ' ')));
+  }
+
+ private:
+  std::size_t width_ = text_width(STDOUT_FILENO);
+};
+
+/// JSON that lines can be broken in.
+std::string with_spaces(const nlohmann::json& value) {
+  std::string text;
+  for (const char c : value.dump()) text += c == ',' ? ", " : std::string(1, c);
+  return text;
+}
+
+void print_parameters(const Printer& print, std::span<const ParameterSpec> table) {
   const nlohmann::json properties = schema_properties(table);
   for (const ParameterSpec& spec : table) {
     const nlohmann::json& property = properties[spec.name];
-    fmt::print("    {:<26} {:<14} {:<24} {}\n", spec.name, property["default"].dump(), range_of(property),
-               spec.description);
+    print.item(4, fmt::format("{} ({}) [{}]: {}", spec.name, range_of(property), property["default"].dump(),
+                              spec.description));
   }
 }
 
-void print_text(const AgentType& type) {
+std::string marks_of(const AgentType& type) {
   std::string marks = type.learns ? "  [learns]" : "";
   if (type.privilege != Privilege::none)
     marks += fmt::format("  [privileged: sees {}]", agents::privilege_tier(type.privilege).sees);
-  if (type.unconstrained) marks += "  [unconstrained: may jump]";
-  fmt::print("{}{}\n    {}\n", type.name, marks, type.description);
+  return marks + (type.unconstrained ? "  [unconstrained: may jump]" : "");
+}
+
+void print_text(const AgentType& type, bool brief) {
+  const Printer print;
+  print.item(0, type.name + marks_of(type));
+  print.item(4, type.description);
+  if (brief) return;
   if (!type.name_parameter.empty())
-    fmt::print("    {}-VALUE is short for {} = VALUE\n", type.name, type.name_parameter);
+    print.item(4, fmt::format("{}-VALUE is short for {} = VALUE", type.name, type.name_parameter));
   const nlohmann::json provenance = type.provenance ? type.provenance() : nlohmann::json::object();
   for (const auto& [key, value] : provenance.items())
-    fmt::print("    {}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-  print_table(type.parameters);
+    print.item(4, fmt::format("{}: {}", key, value.is_string() ? value.get<std::string>() : with_spaces(value)));
+  print_parameters(print, type.parameters);
   if (!type.relay) return;
-  fmt::print("    Each member of \"crew\" has an \"agent\" and\n");
-  print_table(agents::crew_parameters());
+  print.item(4, "Each member of \"crew\" has an \"agent\" and");
+  print_parameters(print, agents::crew_parameters());
+}
+
+/// By its type, or as experiments may call it: constant-120.
+const AgentType& type_called(const std::string& name) {
+  for (const AgentType& type : agents::agent_types())
+    if (type.name == name) return type;
+  return agents::agent_type(agents::parse_agents(name, "").front().type);
+}
+
+struct AgentsOptions {
+  std::vector<std::string> names;
+  std::string format;
+  bool brief = false;
+};
+
+int list_agents(const AgentsOptions& options) {
+  std::vector<const AgentType*> types;
+  for (const std::string& name : options.names) types.push_back(&type_called(name));
+  if (types.empty())
+    for (const AgentType& type : agents::agent_types()) types.push_back(&type);
+  nlohmann::json list = nlohmann::json::array();
+  for (const AgentType* type : types) {
+    if (options.format == "json")
+      list.push_back(as_json(*type));
+    else
+      print_text(*type, options.brief);
+  }
+  if (options.format == "json") fmt::print("{}\n", list.dump(2));
+  return 0;
 }
 
 }  // namespace
@@ -65,21 +122,11 @@ void print_text(const AgentType& type) {
 void add_agents(CLI::App& app, Job& job) {
   auto* command =
       app.add_subcommand("agents", "List the agents: parameters, defaults, ranges, and what they are allowed to see");
-  auto format = std::make_shared<std::string>();
-  add_format(*command, *format, {"text", "json"});
-  command->callback([format, &job] {
-    job = [format] {
-      nlohmann::json list = nlohmann::json::array();
-      for (const AgentType& type : agents::agent_types()) {
-        if (*format == "json")
-          list.push_back(as_json(type));
-        else
-          print_text(type);
-      }
-      if (*format == "json") fmt::print("{}\n", list.dump(2));
-      return 0;
-    };
-  });
+  auto options = std::make_shared<AgentsOptions>();
+  command->add_option("name", options->names, "Only these agents, e.g. dqn");
+  command->add_flag("--brief", options->brief, "Without parameters");
+  add_format(*command, options->format, {"text", "json"});
+  command->callback([options, &job] { job = [options] { return list_agents(*options); }; });
 }
 
 }  // namespace aloft::cli

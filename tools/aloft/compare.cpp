@@ -6,6 +6,7 @@
 #include "common/base/error.hpp"
 #include "common/experiment/summary.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/table_options.hpp"
 #include "tools/compare/comparison.hpp"
 
 namespace aloft::cli {
@@ -89,65 +90,74 @@ void print_json(const Both& both) {
   fmt::print("{}\n", document.dump(2));
 }
 
-void print_heading(const Both& both) {
-  const auto side = [](char letter, const std::filesystem::path& dir, const experiment::Experiment& experiment) {
-    fmt::print("{}: {}: experiment {} ({}), seed {}\n", letter, dir.string(), experiment.name, experiment.id,
-               experiment.seed);
+void print_heading(const Both& both, std::size_t width) {
+  const auto print_line = [&](const std::string& text) { fmt::print("{}", wrapped(text, width, "", "    ")); };
+  const auto side = [&](char letter, const std::filesystem::path& dir, const experiment::Experiment& experiment) {
+    print_line(fmt::format("{}: {}: experiment {} ({}), seed {}", letter, dir.string(), experiment.name, experiment.id,
+                           experiment.seed));
   };
   side('A', both.dir_a, both.a.experiment());
   side('B', both.dir_b, both.b.experiment());
   if (both.comparison.same_experiment) {
-    fmt::print("The same experiment.\n");
+    print_line("The same experiment.");
   } else {
-    fmt::print("Different experiments; compared is what both have. Settings that differ:\n");
-    for (const auto& setting : both.settings) fmt::print("  {}: A {}, B {}\n", setting.path, setting.a, setting.b);
+    print_line("Different experiments; compared is what both have. Settings that differ:");
+    for (const auto& setting : both.settings)
+      fmt::print("{}",
+                 wrapped(fmt::format("{}: A {}, B {}", setting.path, setting.a, setting.b), width, "  ", "      "));
     if (both.settings.size() == settings_shown) fmt::print("  ... and perhaps more\n");
   }
-  fmt::print("{}\n\n",
-             both.comparison.paired
+  print_line(both.comparison.paired
                  ? "Differences are B - A on the same trials."
                  : "Not paired: the seeds differ, so the worlds differ. Differences are mean of B - mean of A.");
 }
 
-void print_table(const Comparison& comparison) {
-  std::size_t condition_width = 9;
-  std::size_t agent_width = 5;
-  const auto agent = [](const AgentComparison& row) {
-    return agents::marked(row.agent, agents::privilege_tier(row.privilege));
-  };
-  for (const AgentComparison& row : comparison.agents) {
-    condition_width = std::max(condition_width, row.condition.size());
-    agent_width = std::max(agent_width, agent(row).size());
-  }
-  fmt::print("{:<{}}  {:<{}}  {:>11}  {:>9}  {:>10}  {:>10}  {:>10}  {:<22}  unit\n", "condition", condition_width,
-             "agent", agent_width, "flights", "identical", "A", "B", "B - A", "95 % interval");
-  for (const AgentComparison& row : comparison.agents) {
-    const bool measured = row.kind == experiment::WorldKind::measured;
-    const double unit = measured ? 1000.0 : 1.0;
-    const std::string interval =
-        row.difference_ci95
-            ? fmt::format("[{:+.3f}, {:+.3f}]", row.difference_ci95->low / unit, row.difference_ci95->high / unit)
-            : "-";
-    const std::string flights =
-        row.paired ? std::to_string(row.flights_a) : fmt::format("{} / {}", row.flights_a, row.flights_b);
-    fmt::print("{:<{}}  {:<{}}  {:>11}  {:>9}  {:>10.3f}  {:>10.3f}  {:>+10.3f}  {:<22}  {}\n", row.condition,
-               condition_width, agent(row), agent_width, flights, row.identical, row.qos_mean_a / unit,
-               row.qos_mean_b / unit, row.difference / unit, interval, measured ? "Mbit/s" : "bit/s/Hz");
-  }
+std::vector<TextTable::Cell> table_row(const AgentComparison& row) {
+  const double unit = row.kind == experiment::WorldKind::measured ? 1000.0 : 1.0;
+  const auto& ci95 = row.difference_ci95;
+  return {agents::marked(row.agent, agents::privilege_tier(row.privilege)),
+          row.paired ? std::to_string(row.flights_a) : fmt::format("{} / {}", row.flights_a, row.flights_b),
+          std::to_string(row.identical),
+          fmt::format("{:.3f}", row.qos_mean_a / unit),
+          fmt::format("{:.3f}", row.qos_mean_b / unit),
+          fmt::format("{:+.3f}", row.difference / unit),
+          ci95 ? fmt::format("[{:+.3f}, {:+.3f}]", ci95->low / unit, ci95->high / unit) : "-"};
 }
 
-void print_text(const Both& both) {
+/// A table per condition, all with the same columns.
+void print_tables(const Comparison& comparison, const TableShape& shape) {
+  std::vector<std::pair<std::string, TextTable>> tables;
+  unsigned rank = TextTable::every_rank;
+  for (const AgentComparison& row : comparison.agents) {
+    const bool measured = row.kind == experiment::WorldKind::measured;
+    const std::string heading = fmt::format("{}, {}", row.condition, measured ? "Mbit/s" : "bit/s/Hz");
+    if (tables.empty() || tables.back().first != heading)
+      tables.emplace_back(
+          heading,
+          TextTable({{"agent"}, {"flights", 3}, {"identical", 4}, {"A", 1}, {"B", 2}, {"B - A"}, {"95 % interval"}}));
+    tables.back().second.add(table_row(row));
+  }
+  for (const auto& [heading, table] : tables) rank = std::min(rank, table.fitting_rank(shape));
+  for (const auto& [heading, table] : tables)
+    fmt::print("\n{}{}", wrapped(heading, shape.width), table.text(shape, rank));
+  if (!tables.empty()) fmt::print("\n{}", tables.front().second.left_out(rank, shape));
+}
+
+void print_text(const Both& both, const TableShape& shape) {
   const Comparison& comparison = both.comparison;
-  print_heading(both);
-  print_table(comparison);
+  const auto print_line = [&](const std::string& text) { fmt::print("{}", wrapped(text, shape.width)); };
+  print_heading(both, shape.width);
+  print_tables(comparison, shape);
   if (std::any_of(comparison.agents.begin(), comparison.agents.end(),
                   [](const AgentComparison& row) { return row.privilege != agents::Privilege::none; }))
-    fmt::print("Privileged: {}.\n", agents::marks_explained());
-  fmt::print("\n{} of {} flights that both have are identical", comparison.identical, comparison.in_both);
+    print_line(fmt::format("Privileged: {}.", agents::marks_explained()));
+  std::string counts =
+      fmt::format("{} of {} flights that both have are identical", comparison.identical, comparison.in_both);
   if (comparison.only_a + comparison.only_b > 0)
-    fmt::print("; {} flights are in A alone, {} in B alone", comparison.only_a, comparison.only_b);
-  fmt::print(".\n");
-  if (comparison.first_different) fmt::print("First difference: {}.\n", describe(both, *comparison.first_different));
+    counts += fmt::format("; {} flights are in A alone, {} in B alone", comparison.only_a, comparison.only_b);
+  print_line(counts + ".");
+  if (comparison.first_different)
+    print_line(fmt::format("First difference: {}.", describe(both, *comparison.first_different)));
 }
 
 }  // namespace
@@ -158,6 +168,7 @@ void add_compare(CLI::App& app, Job& job) {
     std::filesystem::path dir_b;
     bool exact = false;
     std::string format;
+    TableOptions table;
   };
   auto* command = app.add_subcommand(
       "compare", "Compare two result folders: differences per condition and agent, identical flights");
@@ -166,10 +177,11 @@ void add_compare(CLI::App& app, Job& job) {
   command->add_option("dir_b", options->dir_b, "Result folder B")->required();
   command->add_flag("--exact", options->exact, "Exit code 1 unless both hold the same flights, byte for byte");
   add_format(*command, options->format, {"text", "json"});
+  options->table.add_to(*command);
   command->callback([options, &job] {
     job = [options] {
       const Both both{options->dir_a, options->dir_b};
-      options->format == "json" ? print_json(both) : print_text(both);
+      options->format == "json" ? print_json(both) : print_text(both, options->table.shape());
       return options->exact && !both.comparison.all_identical() ? exit_failure : exit_ok;
     };
   });

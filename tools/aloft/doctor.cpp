@@ -1,9 +1,12 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "common/base/terminal.hpp"
+#include "common/base/text_layout.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/doctor/checks.hpp"
@@ -47,6 +50,14 @@ void print_json(const std::vector<Finding>& findings, State worst) {
   fmt::print("{}\n", nlohmann::ordered_json{{"state", doctor::to_text(worst)}, {"checks", std::move(checks)}}.dump(2));
 }
 
+void print_text(const Finding& finding) {
+  const std::size_t width = text_width(STDOUT_FILENO);
+  const std::string heading = fmt::format("{:<8} {:<15} ", doctor::to_text(finding.state), finding.check);
+  const std::string indent(heading.size(), ' ');
+  fmt::print("{}", wrapped(finding.text, width, heading, indent));
+  if (!finding.advice.empty()) fmt::print("{}", wrapped(finding.advice, width, indent + "-> ", indent + "   "));
+}
+
 int diagnose(const DoctorOptions& options) {
   const std::vector<Finding> findings = examine(options);
   State worst = State::ok;
@@ -54,10 +65,7 @@ int diagnose(const DoctorOptions& options) {
   if (options.format == "json") {
     print_json(findings, worst);
   } else {
-    for (const Finding& finding : findings) {
-      fmt::print("{:<8} {:<15} {}\n", doctor::to_text(finding.state), finding.check, finding.text);
-      if (!finding.advice.empty()) fmt::print("{:<24} -> {}\n", "", finding.advice);
-    }
+    for (const Finding& finding : findings) print_text(finding);
   }
   std::fflush(stdout);
   return worst == State::problem ? exit_failure : exit_ok;

@@ -1,6 +1,7 @@
 #include "tools/aloft/local_experiment.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -10,6 +11,8 @@
 #include "common/base/cores.hpp"
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
+#include "common/base/terminal.hpp"
+#include "common/base/text_layout.hpp"
 #include "common/bus/keys.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/warnings.hpp"
@@ -127,7 +130,7 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
   options.check(experiment);
   const std::atomic<bool>& interrupted = note_interrupts();
   for (const experiment::Warning& warning : experiment::warnings(experiment))
-    fmt::print(stderr, "warning: {}\n", warning.text);
+    fmt::print(stderr, "{}", wrapped(warning.text, text_width(STDERR_FILENO), "warning: ", "  "));
   std::optional<RunName> name;
   if (!options.in_process && !options.bus.run.empty()) name.emplace(options.bus, interrupted);
   std::vector<std::string> failures;
@@ -139,10 +142,13 @@ int fly_experiment(const experiment::Experiment& experiment, const std::filesyst
     store::take_back(made);
     throw;
   }
-  for (const std::string& line : failures) fmt::print(stderr, "failed: {}\n", plain_text(line));
+  for (const std::string& line : failures)
+    fmt::print(stderr, "{}", wrapped(plain_text(line), text_width(STDERR_FILENO), "failed: ", "  "));
   if (interrupted) {
-    fmt::print(stderr, "Interrupted. The same command goes on where this one stopped; results so far: {}\n",
-               dir.string());
+    fmt::print(stderr, "{}",
+               wrapped(fmt::format("Interrupted. The same command goes on where this one stopped; results so far: {}",
+                                   dir.string()),
+                       text_width(STDERR_FILENO)));
     return exit_interrupted;
   }
   store::write_summary(dir);
@@ -164,9 +170,9 @@ int fly_experiments(const std::vector<experiment::Experiment>& all, const std::f
   return exit_ok;
 }
 
-std::string comparison(const std::filesystem::path& dir, const std::string& format) {
+std::string comparison(const std::filesystem::path& dir, const std::string& format, const TableShape& shape) {
   const nlohmann::ordered_json summary = store::summarise(store::ResultStore::open_for_reading(dir));
-  return format == "json" ? summary.dump(2) + "\n" : experiment::summary_table(summary);
+  return format == "json" ? summary.dump(2) + "\n" : experiment::summary_table(summary, shape);
 }
 
 }  // namespace aloft::cli

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/text_layout.hpp"
 #include "common/bus/participant.hpp"
 #include "common/experiment/experiment.hpp"
 
@@ -42,6 +43,7 @@ int fly_experiments(const std::vector<experiment::Experiment>& all, const std::f
                     const std::function<void(const std::filesystem::path& dir)>& flown = nullptr);
 
 /// The comparison of a result folder as aligned text, or "json": the content of summary.json.
-[[nodiscard]] std::string comparison(const std::filesystem::path& dir, const std::string& format);
+[[nodiscard]] std::string comparison(const std::filesystem::path& dir, const std::string& format,
+                                     const TableShape& shape);
 
 }  // namespace aloft::cli

@@ -114,8 +114,11 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
     check_in_place(results, processes);
     statuses.drain([&](const wire::RunStatus& status) {
       last = status;
-      progress.update(status.flights_stored(), status.workers_alive(), run.workers, status.message().to_string());
+      // What it says at the end is told by the caller.
+      progress.update(status.flights_stored(), status.workers_alive(), run.workers,
+                      status.state() == wire::RUN_RUNNING ? status.message().to_string() : "");
     });
+    progress.tick();
     for (const std::string& line : processes.supervise()) progress.note(line);
   }
   for (const std::string& name : processes.stop(interrupted ? stop_limit : finish_limit))

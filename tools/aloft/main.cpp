@@ -1,6 +1,4 @@
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include <cstdio>
 #include <iostream>
@@ -10,9 +8,9 @@
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
 #include "services/runtime/help_format.hpp"
-#include "services/runtime/plain_log.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/help.hpp"
+#include "tools/aloft/status_line.hpp"
 
 namespace {
 
@@ -50,6 +48,7 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
 
 /// A message may repeat arguments, names and paths.
 void tell(const std::exception& error) {
+  aloft::cli::StatusLine::of_process().finish();
   constexpr std::size_t longest = 4000;
   fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(aloft::beginning_of(error.what(), longest)));
 }
@@ -88,10 +87,7 @@ void add_commands(CLI::App& app, aloft::cli::Job& job) {
 
 int main(int argc, char** argv) {
   using namespace aloft::cli;
-  // Standard output is for results.
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("aloft", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
-  spdlog::set_formatter(aloft::runtime::plain_log("%n: %^%l%$: %v"));
+  log_above_status_line();  // standard output is for results
   CLI::App app{
       "Adaptive height optimisation for cellular-connected UAVs: run experiments, look into them, compare agents.",
       "aloft"};

@@ -1,66 +1,76 @@
 #include "tools/aloft/progress.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cstdio>
+#include <algorithm>
 
 #include "common/base/plain_text.hpp"
 #include "services/status/run_view.hpp"
+#include "tools/aloft/status_line.hpp"
 
 namespace aloft::cli {
 namespace {
 
-constexpr std::chrono::milliseconds redraw_period{200};
-constexpr std::chrono::seconds plain_line_period{5};
+constexpr std::chrono::seconds repeat_period{60};
+
+/// Seconds that are counted, and trials that come one after the other, make no other message.
+std::string without_numbers(const std::string& message) {
+  std::string kind;
+  for (const char c : message) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit || !kind.ends_with('#')) kind += digit ? '#' : c;
+  }
+  return kind;
+}
 
 }  // namespace
 
 Progress::Progress(std::uint64_t flights_total, std::uint64_t flights_already_done)
-    : terminal_(isatty(STDERR_FILENO) == 1),
-      total_(flights_total),
-      already_done_(flights_already_done),
-      drawn_(Clock::now()) {}
+    : total_(flights_total), already_done_(flights_already_done), done_(flights_already_done) {}
 
 void Progress::update(std::uint64_t flights_done, unsigned workers_alive, unsigned workers_wanted,
                       const std::string& message) {
-  const double elapsed_s = std::chrono::duration<double>(Clock::now() - started_).count();
-  const std::uint64_t flown = flights_done > already_done_ ? flights_done - already_done_ : 0;
-  const double rate = elapsed_s > 0 ? static_cast<double>(flown) / elapsed_s : 0.0;
-  const std::string eta =
-      flown == 0 ? "-:--" : status::clock_text(static_cast<double>(total_ - std::min(flights_done, total_)) / rate);
-  const bool others_joined = workers_alive > workers_wanted || workers_wanted == 0;
-  text_ = fmt::format("{}/{} flights  {:.1f} flights/s  ETA {}  workers {}{}", flights_done, total_, rate, eta,
-                      workers_alive, others_joined ? "" : fmt::format("/{}", workers_wanted));
-  const bool news = !message.empty() && message != last_message_;
-  if (!message.empty()) text_ += "  " + plain_text(message);
-  last_message_ = message;
-  draw(news);
-}
-
-void Progress::print(const std::string& line, std::string_view end) const {
-  constexpr std::string_view erase_line = "\r\033[K";
-  fmt::print(stderr, "{}{}{}", terminal_ ? erase_line : "", line, end);
-}
-
-void Progress::draw(bool force) {
   const auto now = Clock::now();
-  if (!force && now - drawn_ < (terminal_ ? std::chrono::milliseconds(redraw_period)
-                                          : std::chrono::milliseconds(plain_line_period)))
-    return;
-  drawn_ = now;
-  print(text_, terminal_ ? "" : "\n");
-  std::fflush(stderr);
+  const bool others_joined = workers_alive > workers_wanted || workers_wanted == 0;
+  heard_ = true;
+  done_ = flights_done;
+  workers_ = fmt::format("workers {}{}", workers_alive, others_joined ? "" : fmt::format("/{}", workers_wanted));
+  message_ = message;
+  pace_.update(flights_done, !message.empty(), now);
+  if (!message.empty()) tell(message, now);
+  StatusLine::of_process().show(text(now));
+}
+
+void Progress::tick() {
+  if (heard_) StatusLine::of_process().show(text(Clock::now()));
+}
+
+std::string Progress::text(Clock::time_point now) const {
+  const double elapsed_s = std::chrono::duration<double>(now - started_).count();
+  const std::uint64_t flown = done_ > already_done_ ? done_ - already_done_ : 0;
+  const double rate = elapsed_s > 0 ? static_cast<double>(flown) / elapsed_s : 0.0;
+  std::string pace = fmt::format("{:.1f} flights/s", rate);
+  if (const auto blocked = pace_.blocked_for(now); blocked && done_ < total_)
+    pace = "nothing stored for " + status::clock_text(std::chrono::duration<double>(*blocked).count());
+  else if (flown > 0)
+    pace += "  ETA " + status::clock_text(static_cast<double>(total_ - std::min(done_, total_)) / rate);
+  return fmt::format("{}/{} flights  {}  {}{}{}", done_, total_, pace, workers_, message_.empty() ? "" : "  ",
+                     message_);
+}
+
+void Progress::tell(const std::string& message, Clock::time_point now) {
+  std::erase_if(told_, [&](const auto& entry) { return now - entry.second >= repeat_period; });
+  if (told_.emplace(without_numbers(message), now).second) note(message);
 }
 
 void Progress::note(const std::string& line) {
-  print(plain_text(line), "\n");
-  if (terminal_) draw(true);
+  StatusLine::of_process().print(plain_text(line));
 }
 
 void Progress::finish() {
-  if (text_.empty()) return;
-  print(text_, "\n");
+  message_.clear();
+  if (heard_) StatusLine::of_process().show(text(Clock::now()), true);
+  StatusLine::of_process().finish();
 }
 
 }  // namespace aloft::cli

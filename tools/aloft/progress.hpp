@@ -2,19 +2,23 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <string>
-#include <string_view>
+
+#include "services/status/pace.hpp"
 
 namespace aloft::cli {
 
-/// The status line of a run, on standard error: redrawn in place on a terminal, a plain line every few seconds
-/// otherwise.
+/// The progress of a run, on the status line.
 class Progress {
  public:
   Progress(std::uint64_t flights_total, std::uint64_t flights_already_done);
 
-  /// `message` names what the run waits for or the last error; empty if all is well.
+  /// `message` names what the run waits for or the last error; empty if all is well. What is new in it stays as a line
+  /// of its own; the same again, but for its numbers, does so once per minute.
   void update(std::uint64_t flights_done, unsigned workers_alive, unsigned workers_wanted, const std::string& message);
+  /// There is no news, but time passes.
+  void tick();
   /// A line of its own that stays, e.g. a restarted process.
   void note(const std::string& line);
   /// The last state, as a line that stays.
@@ -22,16 +26,18 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void draw(bool force);
-  void print(const std::string& line, std::string_view end) const;
+  [[nodiscard]] std::string text(Clock::time_point now) const;
+  void tell(const std::string& message, Clock::time_point now);
 
-  bool terminal_;
   std::uint64_t total_;
   std::uint64_t already_done_;
+  std::uint64_t done_;
+  std::string workers_;
+  std::string message_;
+  bool heard_ = false;
+  status::Pace pace_;
   Clock::time_point started_ = Clock::now();
-  Clock::time_point drawn_;
-  std::string text_;
-  std::string last_message_;
+  std::map<std::string, Clock::time_point> told_;  ///< messages without their numbers
 };
 
 }  // namespace aloft::cli

@@ -8,6 +8,7 @@
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/local_experiment.hpp"
+#include "tools/aloft/table_options.hpp"
 #include "tools/report/report.hpp"
 
 namespace aloft::cli {
@@ -21,6 +22,7 @@ struct ReproduceOptions {
   std::vector<std::string> data;
   std::uint32_t trials = 100;
   FlyingOptions flying;
+  TableOptions table;
 };
 
 Json generated_world(const Json& bs_density_per_km2, const Json& building_density_per_km2) {
@@ -80,8 +82,8 @@ std::vector<experiment::Experiment> experiments(const ReproduceOptions& options)
 
 int reproduce(const ReproduceOptions& options) {
   const std::vector<experiment::Experiment> all = experiments(options);
-  const int exit_code = fly_experiments(all, options.out, options.flying, [](const std::filesystem::path& dir) {
-    fmt::print("{}\n", comparison(dir, "text"));
+  const int exit_code = fly_experiments(all, options.out, options.flying, [&](const std::filesystem::path& dir) {
+    fmt::print("{}\n", comparison(dir, "text", options.table.shape()));
     std::fflush(stdout);
   });
   if (exit_code != exit_ok) return exit_code;
@@ -108,6 +110,7 @@ void add_reproduce(CLI::App& app, Job& job) {
       ->check(runtime::whole_number(1, 100'000))
       ->capture_default_str();
   options->flying.add_to(*command);
+  options->table.add_to(*command);
   command->callback([options, &job] { job = [options] { return reproduce(*options); }; });
 }
 

@@ -1,10 +1,14 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cstdio>
 
 #include "common/base/error.hpp"
+#include "common/base/terminal.hpp"
+#include "common/base/text_layout.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/local_experiment.hpp"
+#include "tools/aloft/table_options.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -14,6 +18,7 @@ struct RunOptions {
   FlyingOptions flying;
   std::filesystem::path out;
   std::string format;
+  TableOptions table;
 };
 
 int run(const RunOptions& options) {
@@ -22,12 +27,13 @@ int run(const RunOptions& options) {
       options.out.empty() ? std::filesystem::path("results") / experiment.name : options.out;
   const int exit_code = fly_experiment(experiment, dir, options.flying);
   if (exit_code == exit_interrupted) return exit_code;
-  fmt::print("{}", comparison(dir, options.format));
+  fmt::print("{}", comparison(dir, options.format, options.table.shape()));
   std::fflush(stdout);
-  fmt::print(
-      stderr,
-      "Results: {} (summary.json, summary.csv, results.sqlite, experiment.json{}); see them with: aloft report {}\n",
-      dir.string(), options.flying.in_process ? "" : ", log/", dir.string());
+  fmt::print(stderr, "{}",
+             wrapped(fmt::format("Results: {} (summary.json, summary.csv, results.sqlite, experiment.json{}); see them "
+                                 "with: aloft report {}",
+                                 dir.string(), options.flying.in_process ? "" : ", log/", dir.string()),
+                     text_width(STDERR_FILENO)));
   return exit_code;
 }
 
@@ -41,6 +47,7 @@ void add_run(CLI::App& app, Job& job) {
   command->add_option("--out", options->out, "Result folder; an interrupted run in it is resumed [results/NAME]");
   options->flying.add_to(*command);
   add_format(*command, options->format, {"text", "json"});
+  options->table.add_to(*command);
   command->callback([options, &job] { job = [options] { return run(*options); }; });
 }
 

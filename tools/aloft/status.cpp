@@ -6,12 +6,14 @@
 #include <map>
 
 #include "common/base/error.hpp"
+#include "common/base/text_layout.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "services/status/run_view.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/table_options.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -32,6 +34,7 @@ struct StatusOptions {
   bool watch = false;
   double wait_s = 5.0;
   std::string format;
+  TableOptions table;
 };
 
 /// Listens to one run.
@@ -110,12 +113,18 @@ std::string nobody(const StatusOptions& options) {
       options.bus.secure.empty() ? ", secured (--secure)" : ", secured by another authority");
 }
 
+/// In a terminal of at most one row.
+std::string brief_line(const Json& run, std::size_t width) {
+  return cut_to(status::run_line(run), width) + "\n";
+}
+
 /// What to show now, `first`: for the first time. Empty: nothing yet.
 std::string picture(const StatusOptions& options, const Json& news, bool terminal) {
   if (options.format == "json") return dump(news, options.watch ? -1 : 2);
   std::string text;
   for (const Json& run : news["runs"])
-    text += options.watch && !terminal ? status::run_line(run) + "\n" : status::run_text(run);
+    text += options.table.brief || (options.watch && !terminal) ? brief_line(run, options.table.shape().width)
+                                                                : status::run_text(run, options.table.shape().width);
   return text;
 }
 
@@ -180,6 +189,7 @@ void add_status(CLI::App& app, Job& job) {
       ->check(runtime::number(0.1, 600))
       ->capture_default_str();
   add_format(*command, options->format, {"text", "json"});
+  options->table.add_to(*command, "One line per run");
   command->callback([options, &job] {
     options->any_run = options->bus.run.empty();
     job = [options] { return show_status(*options); };

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
+#include "common/base/terminal.hpp"
 #include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
@@ -12,6 +14,7 @@
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/local_experiment.hpp"
 #include "tools/aloft/package_data.hpp"
+#include "tools/aloft/table_options.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/tournament_table.hpp"
 
@@ -25,6 +28,8 @@ struct TournamentOptions {
   std::filesystem::path picture;
   std::uint32_t dqn_trials = 60;
   FlyingOptions flying;
+  std::string format;
+  TableOptions table;
 };
 
 using Json = nlohmann::json;
@@ -125,23 +130,28 @@ int tournament(const TournamentOptions& options) {
       conditions.push_back(std::move(condition));
   report::StepCosts costs;
   for (const experiment::Experiment& experiment : all) measure_step_costs(experiment, costs);
-  const std::string overview = report::tournament_overview(conditions, costs);
+  const TextTable overview = report::tournament_overview(conditions, costs);
   const std::filesystem::path tables = options.out / "tournament.md";
+  const std::string legend = fmt::format(
+      "Gain over min-height on the same {} trials (seed {}); columns: base stations / buildings per "
+      "km², bit/s/Hz; measured flights in Mbit/s. ± is half a 95 % interval; there is none where all trials gave "
+      "the same, or with one trial. {}.",
+      all.front().trials, all.front().seed, agents::marks_explained());
   experiment::write_text_file(
-      tables,
-      fmt::format(
-          "Gain over min-height on the same {} trials (seed {}); columns: base stations / buildings per "
-          "km², bit/s/Hz; measured flights in Mbit/s. ± is half a 95 % interval; there is none where all trials gave "
-          "the same, or with one trial. {}.\n\n{}\n{}",
-          all.front().trials, all.front().seed, agents::marks_explained(), overview,
-          report::tournament_details(conditions)));
+      tables, fmt::format("{}\n\n{}\n{}", legend, overview.markdown(), report::tournament_details(conditions)));
   report::ReportOptions report;
   if (!options.picture.empty()) report.svg = options.out / "charts";
   const report::WrittenReport written = report::write_report(options.out, report);
   if (!options.picture.empty()) save_picture(options, all.front().name);
-  fmt::print("{}", overview);
+  const TableShape shape = options.table.shape();
+  if (options.format == "markdown" || (options.format.empty() && isatty(STDOUT_FILENO) == 0))
+    fmt::print("{}", overview.markdown());
+  else
+    fmt::print("{}\n{}", wrapped(legend, shape.width), overview.text(shape, shape.brief ? 0 : TextTable::every_rank));
   std::fflush(stdout);
-  fmt::print(stderr, "Tables: {}; report: {}\n", tables.string(), written.page.string());
+  fmt::print(stderr, "{}",
+             wrapped(fmt::format("Tables: {}; report: {}", tables.string(), written.page.string()),
+                     text_width(STDERR_FILENO)));
   return exit_ok;
 }
 
@@ -165,6 +175,9 @@ void add_tournament(CLI::App& app, Job& job) {
                    "about a second of CPU time")
       ->check(runtime::whole_number(1, 100'000))
       ->capture_default_str();
+  command->add_option("--format", options->format, "Output format [text in a terminal, else markdown]")
+      ->check(CLI::IsMember({"text", "markdown"}));
+  options->table.add_to(*command);
   options->flying.add_to(*command);
   command->callback([options, &job] { job = [options] { return tournament(*options); }; });
 }

@@ -1,9 +1,7 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -17,6 +15,7 @@
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/interrupt.hpp"
+#include "tools/aloft/status_line.hpp"
 #include "tools/train/config.hpp"
 #include "tools/train/parallel.hpp"
 #include "tools/train/trainer.hpp"
@@ -47,12 +46,7 @@ class Desk {
   void progress(std::size_t side, const std::string& phase, double share) {
     const std::lock_guard lock(mutex_);
     status_.at(side) = fmt::format("{}: {} {:.0f} %", key_of(kinds.at(side)), phase, 100.0 * share);
-    const auto now = Clock::now();
-    if (now - drawn_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10'000))) return;
-    drawn_ = now;
-    const std::string line = status_[0] + (status_[0].empty() || status_[1].empty() ? "" : "    ") + status_[1];
-    fmt::print(stderr, "{}{}{}", erase(), line, terminal_ ? "" : "\n");
-    std::fflush(stderr);
+    StatusLine::of_process().show(status_[0] + (status_[0].empty() || status_[1].empty() ? "" : "    ") + status_[1]);
   }
 
   /// All lines of one side; the last one is news.
@@ -60,7 +54,7 @@ class Desk {
     const std::lock_guard lock(mutex_);
     if (lines.empty()) return;
     lines_.at(side) = lines;
-    fmt::print(stderr, "{}{}\n", erase(), lines.back());
+    StatusLine::of_process().print(lines.back());
     std::string text;
     for (const auto& of_side : lines_)
       for (const std::string& line : of_side) text += line + '\n';
@@ -72,19 +66,9 @@ class Desk {
     status_.at(side).clear();
   }
 
-  void say(const std::string& line) {
-    const std::lock_guard lock(mutex_);
-    fmt::print(stderr, "{}{}\n", erase(), line);
-  }
-
  private:
-  using Clock = std::chrono::steady_clock;
-  [[nodiscard]] const char* erase() const { return terminal_ ? "\r\033[K" : ""; }
-
   std::filesystem::path log_;
-  bool terminal_ = isatty(STDERR_FILENO) == 1;
   std::mutex mutex_;
-  Clock::time_point drawn_ = Clock::now();
   std::array<std::string, kinds.size()> status_;
   std::array<std::vector<std::string>, kinds.size()> lines_;
 };
@@ -111,7 +95,7 @@ std::vector<float> train_side(const TrainOptions& options, std::size_t side, con
                       "train from the start, or use another --out",
                       checkpoint.string(), error.what()));
     }
-    desk.say(fmt::format("{}: goes on from {}", key_of(kinds.at(side)), checkpoint.string()));
+    StatusLine::of_process().print(fmt::format("{}: goes on from {}", key_of(kinds.at(side)), checkpoint.string()));
     desk.validated(side, trainer.validation_log());
   }
   while (!trainer.finished()) {
@@ -140,9 +124,11 @@ int train_pretrained(const TrainOptions& options) {
       network.weights = train_side(options, side, settings, options.threads / sides, desk, interrupted);
     });
   } catch (const train::Interrupted&) {
-    desk.say("Interrupted. The same command goes on after the last round that was finished.");
+    StatusLine::of_process().finish();
+    StatusLine::of_process().print("Interrupted. The same command goes on after the last round that was finished.");
     return exit_interrupted;
   }
+  StatusLine::of_process().finish();
   model.training_config = config.canonical().dump();
   const std::string bytes = model.to_bytes();
   experiment::write_text_file(options.out, bytes);

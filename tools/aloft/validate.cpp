@@ -1,5 +1,8 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include "common/base/terminal.hpp"
+#include "common/base/text_layout.hpp"
 #include "common/experiment/warnings.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/in_process.hpp"
@@ -7,21 +10,34 @@
 namespace aloft::cli {
 namespace {
 
+/// With spaces, at which lines can be broken.
+std::string parameters_text(const agents::AgentSpec& agent) {
+  std::string text;
+  const nlohmann::json parameters = agent.parameters.to_json();
+  for (const auto& [name, value] : parameters.items())
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", name, value.dump());
+  return "{" + text + "}";
+}
+
 void print_summary(const experiment::Experiment& experiment) {
+  const auto print_item = [width = text_width(STDOUT_FILENO)](const std::string& indent, const std::string& text) {
+    fmt::print("{}", wrapped(text, width, indent, indent + "    "));
+  };
   fmt::print("{}: valid, experiment id {}\n", experiment.name, experiment.id);
   fmt::print("{} conditions x {} trials x {} agents = {} flights, seed {}\n", experiment.conditions.size(),
              experiment.trials, experiment.agents.size(),
              experiment.conditions.size() * experiment.trials * experiment.agents.size(), experiment.seed);
   for (const auto& condition : experiment.conditions)
-    fmt::print("  condition {}: {}\n", condition.index, condition.name);
+    print_item("  ", fmt::format("condition {}: {}", condition.index, condition.name));
   for (const auto& agent : experiment.agents) {
-    fmt::print("  agent {} {}\n", agent.name, agent.parameters.to_json().dump());
+    print_item("  ", fmt::format("agent {} {}", agent.name, parameters_text(agent)));
     for (const auto& member : agent.crew)
-      fmt::print("    {}: {}{} {}\n",
-                 member.from_step > 0 ? fmt::format("from step {}", member.from_step) : "stands by", member.agent.name,
-                 member.shadow ? "" : " (comes aboard cold)", member.agent.parameters.to_json().dump());
+      print_item(
+          "    ",
+          fmt::format("{}: {}{} {}", member.from_step > 0 ? fmt::format("from step {}", member.from_step) : "stands by",
+                      member.agent.name, member.shadow ? "" : " (comes aboard cold)", parameters_text(member.agent)));
   }
-  for (const auto& warning : experiment::warnings(experiment)) fmt::print("  warning: {}\n", warning.text);
+  for (const auto& warning : experiment::warnings(experiment)) print_item("  ", "warning: " + warning.text);
 }
 
 }  // namespace

@@ -50,13 +50,13 @@ std::optional<double> gain_of(const json* row) {
   return row->at("gain").at("mean").get<double>();
 }
 
-std::string gain_cell(const json* row, bool best) {
+TextTable::Cell gain_cell(const json* row, bool best) {
   const auto gain = gain_of(row);
   if (!gain) return "-";
   const json& ci = row->at("gain").at("ci95");
   std::string text = fmt::format("{:+.2f}", *gain);
   if (!ci.is_null()) text += fmt::format(" ± {:.2f}", (ci[1].get<double>() - ci[0].get<double>()) / 2.0);
-  return best ? "**" + text + "**" : text;
+  return {text, best};
 }
 
 std::string interval_cell(const json& ci, const char* format) {
@@ -112,31 +112,32 @@ std::string winner(const Column& column, const std::vector<const AgentTrials*>& 
 
 }  // namespace
 
-std::string tournament_overview(std::span<const ConditionTrials> conditions, const StepCosts& costs) {
+TextTable tournament_overview(std::span<const ConditionTrials> conditions, const StepCosts& costs) {
   const std::vector<Column> columns = columns_of(conditions);
   const std::vector<const AgentTrials*> agents = agents_of(conditions);
   std::vector<std::string> best;
-  for (const Column& column : columns) best.push_back(winner(column, agents));
-  std::string head = "| agent |";
-  std::string rule = "|---|";
+  std::vector<TextTable::Column> headings{{"agent"}};
   for (const Column& column : columns) {
-    head += fmt::format(" {} |", heading(*column.condition));
-    rule += "---|";
+    best.push_back(winner(column, agents));
+    headings.push_back({heading(*column.condition)});
   }
-  std::string text = head + " head-room closed | height changes | kJ | µs per step |\n" + rule + "---|---|---|---|\n";
+  for (const char* more : {"head-room closed", "height changes", "kJ", "µs per step"}) headings.push_back({more, 1});
+  TextTable table(std::move(headings));
   for (const AgentTrials* agent : agents) {
-    text += fmt::format("| {} |", agents::marked(agent->name, agents::privilege_tier(agent->privilege)));
+    std::vector<TextTable::Cell> row{agents::marked(agent->name, agents::privilege_tier(agent->privilege))};
     for (std::size_t i = 0; i < columns.size(); ++i)
-      text += fmt::format(" {} |", gain_cell(columns[i].row(agent->name), best[i] == agent->name));
+      row.push_back(gain_cell(columns[i].row(agent->name), best[i] == agent->name));
     const auto share = mean_over(columns, agent->name, "headroom_share");
     const auto changes = mean_over(columns, agent->name, "height_changes_mean");
     const auto energy = mean_over(columns, agent->name, "energy_mean_kj");
     const auto cost = costs.find(agent->name);
-    text += fmt::format(" {} | {} | {} | {} |\n", share ? fmt::format("{:.0f} %", 100.0 * *share) : "-",
-                        changes ? fmt::format("{:.0f}", *changes) : "-", energy ? fmt::format("{:.1f}", *energy) : "-",
-                        cost == costs.end() ? "-" : fmt::format("{:.{}f}", cost->second, cost->second < 10 ? 1 : 0));
+    row.emplace_back(share ? fmt::format("{:.0f} %", 100.0 * *share) : "-");
+    row.emplace_back(changes ? fmt::format("{:.0f}", *changes) : "-");
+    row.emplace_back(energy ? fmt::format("{:.1f}", *energy) : "-");
+    row.emplace_back(cost == costs.end() ? "-" : fmt::format("{:.{}f}", cost->second, cost->second < 10 ? 1 : 0));
+    table.add(std::move(row));
   }
-  return text;
+  return table;
 }
 
 std::string tournament_details(std::span<const ConditionTrials> conditions) {

@@ -341,8 +341,9 @@ Pipeline<B> gradient_group(GradientTile tile, const int* next, const int* end, P
     if constexpr (S == 0) {
       ALOFT_UNROLL for (int b = 0; b < B; ++b) step(b);
     }
+    constexpr int parts = S == 0 ? 1 : S;
     pipeline.gradients = gradients_of<B, S>(tile, *next, [&](int s) {
-      for (int b = s * B / S; b < (s + 1) * B / S; ++b) step(b);
+      for (int b = s * B / parts; b < (s + 1) * B / parts; ++b) step(b);
     });
     pipeline.roots = roots;
   }

@@ -116,8 +116,8 @@ class Reader {
   }
 
   void read_header() {
-    std::vector<std::string> names;
-    for (const Column& column : columns) names.emplace_back(column.name);
+    std::vector<std::string> names(columns.size());
+    std::transform(columns.begin(), columns.end(), names.begin(), [](const Column& column) { return column.name; });
     const auto line = next_line();
     if (!line)
       throw InputError(

@@ -55,7 +55,7 @@ void anchor_paths(OrderedJson& document, const std::filesystem::path& folder) {
 }
 
 std::filesystem::path locate(const std::filesystem::path& given) {
-  const std::filesystem::path file = std::filesystem::absolute(given).lexically_normal();
+  std::filesystem::path file = std::filesystem::absolute(given).lexically_normal();
   if (std::error_code ignored; !std::filesystem::exists(file, ignored))
     throw InputError(fmt::format(
         "cannot read '{}': No such file or directory. Relative paths in an experiment file count from that file's "

@@ -114,11 +114,17 @@ std::optional<Response> refusal_of(const error_code& error) {
   return response;
 }
 
-Response to_response(HttpResponse answer) {
+Response made_by(const HttpRoute& route) {
   Response response;
-  response.result(static_cast<unsigned>(answer.status));
-  response.set(http::field::content_type, answer.content_type);
-  response.body() = std::move(answer.body);
+  try {
+    HttpResponse answer = route.answer();
+    response.result(static_cast<unsigned>(answer.status));
+    response.set(http::field::content_type, answer.content_type);
+    response.body() = std::move(answer.body);
+  } catch (const std::exception& error) {
+    response.result(http::status::internal_server_error);
+    response.body() = std::string(error.what()) + "\n";
+  }
   return response;
 }
 
@@ -220,23 +226,18 @@ net::awaitable<Response> HttpServer::State::respond(const Request& request) {
 }
 
 net::awaitable<Response> HttpServer::State::answer_of(const HttpRoute& route) {
+  if (route.quick) co_return made_by(route);
   Response response;
-  try {
-    if (route.quick) co_return to_response(route.answer());
-    if (waiting_answers < limits.waiting_answers) {
-      ++waiting_answers;
-      auto made = net::co_spawn(
-          workshop, [&route]() -> net::awaitable<HttpResponse> { co_return route.answer(); }, net::use_awaitable);
-      response = to_response(co_await std::move(made));
-      --waiting_answers;
-      co_return response;
-    }
+  if (waiting_answers >= limits.waiting_answers) {
     response.result(http::status::service_unavailable);
     response.body() = "too many requests wait already\n";
-  } catch (const std::exception& error) {
-    response.result(http::status::internal_server_error);
-    response.body() = std::string(error.what()) + "\n";
+    co_return response;
   }
+  ++waiting_answers;
+  auto made = net::co_spawn(
+      workshop, [&route]() -> net::awaitable<Response> { co_return made_by(route); }, net::use_awaitable);
+  response = co_await std::move(made);
+  --waiting_answers;
   co_return response;
 }
 

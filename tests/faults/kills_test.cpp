@@ -37,7 +37,7 @@ double mean(const std::vector<double>& values) {
 }  // namespace
 
 TEST_CASE("a random process of four workers is killed every 0.5 to 2 s", "[kills]") {
-  const FaultScene scene(effort(20, 40));
+  const FaultScene scene(40);  // trials: a fast machine, too, is still flying when the first process is killed
   const int seeds = effort(20, 200);
 
   std::vector<double> times_s;
@@ -75,7 +75,7 @@ TEST_CASE("a random process of four workers is killed every 0.5 to 2 s", "[kills
   const double ratio = mean(times_s) / mean(undisturbed_s);
   WARN(fmt::format("{} kills in {} runs; {:.1f} s per run, {:.1f} s undisturbed: {:.2f} times as long", kills, seeds,
                    mean(times_s), mean(undisturbed_s), ratio));
-  CHECK(kills >= seeds / 2);  // a fast machine finishes some runs before their first kill
+  CHECK(kills >= seeds / 2);  // some runs are over before their first kill
   if (soak()) CHECK(ratio < 2.5);
 }
 

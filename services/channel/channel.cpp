@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <deque>
 #include <map>
 #include <optional>
@@ -15,6 +14,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/base/process_name.hpp"
 #include "common/bus/answer_times.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
@@ -36,12 +36,6 @@ constexpr std::chrono::seconds missing_after{3};
 constexpr std::chrono::seconds answer_limit{60};
 constexpr std::chrono::milliseconds farewell_time{500};
 constexpr std::size_t max_waiting_for_storage = 32;
-
-std::string host_name() {
-  std::array<char, 64> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
 
 double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -541,7 +535,7 @@ struct Channel::State {
   std::deque<std::pair<std::uint64_t, std::string>> failures;
   Clock::time_point environment_seen = Clock::now();
   std::string missing;
-  std::string host = host_name();
+  std::string host = this_process().host;
   const std::uint64_t incarnation =
       static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
   std::uint64_t heartbeat = 0;

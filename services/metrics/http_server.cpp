@@ -1,7 +1,6 @@
 #include "services/metrics/http_server.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -24,6 +23,7 @@
 #include <utility>
 
 #include "common/base/error.hpp"
+#include "common/base/process_name.hpp"
 
 namespace aloft::metrics {
 namespace {
@@ -42,12 +42,6 @@ constexpr std::size_t buffer_bytes = 16384;
 constexpr std::chrono::milliseconds accept_again_time{100};  // no descriptor was left
 constexpr std::chrono::milliseconds farewell_time{1000};
 
-std::string machine_name() {
-  std::array<char, 65> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 /// "name:port", "[::1]:port" or without the port, which a tunnel may change.
 std::string_view without_port(std::string_view host) {
   if (host.starts_with('[')) {
@@ -63,7 +57,7 @@ class HostNames {
   HostNames(const net::ip::address& bound, std::vector<std::string> names)
       : any_address_(!bound.is_loopback()), names_(std::move(names)) {
     names_.emplace_back("localhost");
-    if (any_address_) names_.push_back(machine_name());
+    if (any_address_) names_.push_back(this_process().host);
   }
 
   /// What is wrong with the Host of this request, or nothing. Programs that speak HTTP/1.0 name none; browsers do.

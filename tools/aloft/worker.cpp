@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <chrono>
 #include <ctime>
@@ -15,6 +14,7 @@
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
+#include "common/base/process_name.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
@@ -48,9 +48,7 @@ struct WorkerOptions {
 
 /// Differs between hosts, and between workers of one host.
 std::string unique_name() {
-  std::array<char, 65> host{};
-  gethostname(host.data(), host.size() - 1);
-  std::string name = std::string(host.data()).substr(0, 48);
+  std::string name = this_process().host.substr(0, 48);
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
   return fmt::format("{}-{}", name, getpid());

@@ -5,13 +5,12 @@
 
 namespace aloft::runtime {
 
-/// Tells the service manager how this process is (systemd's sd_notify protocol): ready, alive, stopping. Does nothing
-/// unless the manager asked for it with $NOTIFY_SOCKET, and $WATCHDOG_USEC for alive().
+/// Tells the service manager how this process is (sd_notify(3)): ready, alive, stopping. Does nothing unless the
+/// manager asked for it with $NOTIFY_SOCKET, and $WATCHDOG_USEC for alive().
 class Notifier {
  public:
-  /// Takes the variables out of the environment, so that child processes do not speak for this one: before any other
-  /// thread.
-  Notifier();
+  /// `is_child`: the process that started this one speaks to the manager; this one does not.
+  explicit Notifier(bool is_child = false);
   /// Says that the process is stopping.
   ~Notifier();
   Notifier(const Notifier&) = delete;
@@ -26,7 +25,7 @@ class Notifier {
   void send(const std::string& message) const;
 
   using Clock = std::chrono::steady_clock;
-  int socket_ = -1;
+  bool is_child_;
   Clock::duration watchdog_period_{};  // zero: none
   Clock::time_point told_;
 };

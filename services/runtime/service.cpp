@@ -126,8 +126,8 @@ int guarded(const MadeLog& made, const std::function<int()>& work) {
 
 int serve(const CommonOptions& options, const ServiceInfo& info, const std::function<void(Service&)>& run,
           MadeLog& made) {
-  Notifier notifier;     // changes the environment:
-  bus::StopSignal stop;  // both before any other thread
+  bus::StopSignal stop;  // before any other thread
+  Notifier notifier(options.die_with_parent);
   if (options.die_with_parent) follow_parent();
   open_log(options, info, made);
   Service service{options.bus, stop, notifier};

@@ -62,8 +62,8 @@ TEST_CASE("coordinator, metrics and worker keep the service manager informed; a 
     managers.push_back(std::make_unique<Manager>(path));
     std::vector<std::string> more;
     if (program == "worker") more = {"--log-dir", run.scratch("log").string()};
-    processes.push_back(
-        run.start(program, more, {"/usr/bin/env", "NOTIFY_SOCKET=" + path, "WATCHDOG_USEC=400000", "WATCHDOG_PID="}));
+    processes.push_back(run.start(
+        program, more, {"/usr/bin/env", "-u", "WATCHDOG_PID", "NOTIFY_SOCKET=" + path, "WATCHDOG_USEC=400000"}));
   }
   for (std::size_t i = 0; i < programs.size(); ++i) {
     INFO(programs[i] << ": " << managers[i]->heard());

@@ -169,8 +169,8 @@ class Membership {
   }
 
   const WorkerOptions& options_;
-  runtime::Notifier notifier_;  // before any other thread
-  bus::StopSignal stop_;
+  bus::StopSignal stop_;  // before any other thread
+  runtime::Notifier notifier_;
   bus::Participant participant_;
   runtime::RunFollower follower_{participant_};
   bus::Reader<wire::RunStatus> statuses_{participant_};

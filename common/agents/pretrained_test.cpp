@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -57,7 +58,7 @@ TEST_CASE("pretrained flies what its network prefers") {
     agent->begin(flight.info());
     while (true) {
       const Observation& observation = flight.observation();
-      const auto level = static_cast<std::uint32_t>((observation.height_m - 40.0) / 10.0 + 0.5);
+      const auto level = static_cast<std::uint32_t>(std::lround((observation.height_m - 40.0) / 10.0));
       state.observe(pretrained_report(kind, level, observation));
       agent->observe(observation);
       if (flight.finished()) break;

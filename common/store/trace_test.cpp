@@ -70,12 +70,12 @@ TEST_CASE("the bytes of a trace are pinned: digests outlive builds") {
   record.pilots = {"a"};
   record.steps.push_back({1, Action::up, 1.0, 0.0, 50.0, 2, 3.0, 4.0, 4.0, 0, {}});
   // Worked out from the Protobuf encoding: field number << 3 | wire type, length, little-endian doubles.
-  const auto packed = [](char tag, const char* high_bytes) {
-    return std::string{tag, 8} + std::string(6, '\0') + std::string(high_bytes, 2);
+  const auto packed = [](char tag, char seventh, char eighth) {
+    return std::string{tag, 8} + std::string(6, '\0') + seventh + eighth;
   };
   const std::string expected = std::string("\x08\x01", 2) + "\x22\x01" + "a" + "\x32\x01\x03" +
-                               packed(0x3a, "\xf0\x3f") + packed(0x42, "\0\0") + packed(0x4a, "\x49\x40") +
-                               "\x52\x01\x04" + packed(0x5a, "\x08\x40") + packed(0x62, "\x10\x40");
+                               packed(0x3a, '\xf0', '\x3f') + packed(0x42, '\0', '\0') + packed(0x4a, '\x49', '\x40') +
+                               "\x52\x01\x04" + packed(0x5a, '\x08', '\x40') + packed(0x62, '\x10', '\x40');
   CHECK(encode_trace(record) == expected);
 }
 

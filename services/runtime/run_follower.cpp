@@ -31,7 +31,7 @@ void RunFollower::follow(const wire::RunControl& control) {
   try {
     auto experiment = std::make_shared<experiment::Experiment>(
         experiment::parse(wire::view(control.experiment_json()), "the experiment of the run"));
-    if (experiment->id != control.experiment_id()) return controls_.drop("the experiment has another id");
+    if (control.experiment_id() != experiment->id) return controls_.drop("the experiment has another id");
     controls_.expect_experiment(experiment->id);
     spdlog::info("experiment {} ({}): {} agents", experiment->name, experiment->id, experiment->agents.size());
     experiment_ = std::move(experiment);

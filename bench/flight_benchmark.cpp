@@ -21,7 +21,7 @@ flight::SyntheticMap city_sized_map() {
   std::vector<std::vector<double>> qos(101, std::vector<double>(grid.size()));
   for (auto& column : qos)
     for (double& value : column) value = random.uniform(0.5, 20.0);
-  return {agents::QosKind::spectral_efficiency, grid, std::move(qos)};
+  return {radio::QosKind::spectral_efficiency, grid, std::move(qos)};
 }
 
 flight::FlightRecord walk_the_table(flight::SyntheticMap& map) {

@@ -125,7 +125,7 @@ void dqn_flight() {
   Floor floor(path, flight_steps);
   for (int flight = 0; flight < flights; ++flight) {
     agents::Dqn agent(parameters);
-    agent.begin({agents::QosKind::spectral_efficiency, 40, 240, 10, flight_steps, 1, 1});
+    agent.begin({radio::QosKind::spectral_efficiency, 40, 240, 10, flight_steps, 1, 1});
     RandomStream random(1, 1, "benchmark");
     double height_m = 40;
     auto action = agents::Action::none;

@@ -4,16 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/base/limits.hpp"
+#include "common/radio/reading.hpp"
 
 namespace aloft::agents {
 
-inline constexpr std::size_t max_neighbours = limits::neighbours;
-
-enum class QosKind : std::uint8_t {
-  spectral_efficiency,  ///< bit/s/Hz
-  throughput,           ///< kbit/s
-};
+using radio::max_neighbours;
+using radio::QosKind;
 
 enum class Action : std::uint8_t {
   none,  ///< before the first step

@@ -44,7 +44,7 @@ agents::Action from_wire(wire::Action action) {
 }  // namespace
 
 void put(wire::ChannelReport& report, const agents::FlightInfo& flight) {
-  report.qos_kind(flight.qos == agents::QosKind::throughput ? wire::QOS_THROUGHPUT : wire::QOS_SPECTRAL_EFFICIENCY);
+  report.qos_kind(flight.qos == radio::QosKind::throughput ? wire::QOS_THROUGHPUT : wire::QOS_SPECTRAL_EFFICIENCY);
   report.height_min_m(flight.height_min_m);
   report.height_max_m(flight.height_max_m);
   report.height_step_m(flight.height_step_m);
@@ -116,7 +116,7 @@ void put(wire::World& message, const world::MeasuredFlight& flight) {
 agents::FlightInfo flight_info(const wire::ChannelReport& report) {
   agents::FlightInfo flight;
   flight.qos =
-      report.qos_kind() == wire::QOS_THROUGHPUT ? agents::QosKind::throughput : agents::QosKind::spectral_efficiency;
+      report.qos_kind() == wire::QOS_THROUGHPUT ? radio::QosKind::throughput : radio::QosKind::spectral_efficiency;
   flight.height_min_m = report.height_min_m();
   flight.height_max_m = report.height_max_m();
   flight.height_step_m = report.height_step_m();

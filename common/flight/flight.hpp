@@ -31,7 +31,7 @@ struct StepRecord {
 
 /// A finished flight.
 struct FlightRecord {
-  agents::QosKind qos_kind = agents::QosKind::spectral_efficiency;
+  radio::QosKind qos_kind = radio::QosKind::spectral_efficiency;
   std::vector<std::string> pilots;  ///< who commanded, in order of first appearance
   std::vector<StepRecord> steps;
 

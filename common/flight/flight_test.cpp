@@ -10,9 +10,9 @@
 
 using namespace aloft;
 using agents::Action;
-using agents::QosKind;
 using flight::Flight;
 using flight::SyntheticMap;
+using radio::QosKind;
 
 namespace {
 

@@ -8,7 +8,7 @@
 namespace aloft::flight {
 namespace {
 
-using agents::QosKind;
+using radio::QosKind;
 using Json = nlohmann::json;
 
 agents::AgentSpec relay(const Json& crew) {

@@ -27,7 +27,7 @@ void for_each_column(SignalMap& map, Visit visit) {
 }
 
 const char* qos_name(const SignalMap& map) {
-  return map.qos_kind() == agents::QosKind::throughput ? "throughput_kbps" : "spectral_efficiency";
+  return map.qos_kind() == QosKind::throughput ? "throughput_kbps" : "spectral_efficiency";
 }
 
 }  // namespace

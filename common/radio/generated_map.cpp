@@ -18,7 +18,7 @@ class GeneratedMap final : public SignalMap {
         builder_(scene_, Fading(scene_.model(), seed, trial)),
         columns_(route_.steps() + 1) {}
 
-  [[nodiscard]] agents::QosKind qos_kind() const noexcept override { return agents::QosKind::spectral_efficiency; }
+  [[nodiscard]] QosKind qos_kind() const noexcept override { return QosKind::spectral_efficiency; }
   [[nodiscard]] const HeightGrid& heights() const noexcept override { return scene_.heights(); }
   [[nodiscard]] std::uint32_t steps() const noexcept override { return route_.steps(); }
   [[nodiscard]] std::uint32_t result_point(std::uint32_t step) const noexcept override { return step; }

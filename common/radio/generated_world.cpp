@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/observation.hpp"
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/radio/reading.hpp"
 #include "common/world/city.hpp"
 #include "common/world/route.hpp"
 
@@ -50,7 +50,7 @@ const std::vector<ParameterSpec>& radio_parameters() {
       choice_parameter("serving_selection", "best-of-candidates", {"best-of-candidates", "best-of-all"},
                        "Serving cell: best SINR of the candidates, or of all base stations."),
       integer_parameter("candidates", 5, 1, 50, "Candidates: so many base stations with the largest received power."),
-      integer_parameter("neighbours", 4, 0, static_cast<double>(agents::max_neighbours),
+      integer_parameter("neighbours", 4, 0, static_cast<double>(max_neighbours),
                         "Neighbours whose SINR the UAV reports, strongest first."),
       number_parameter("interferer_distance_max_m", 3000.0, 1.0, 20'000.0,
                        "Farthest interferer while the directional UAV antenna points near the horizon."),

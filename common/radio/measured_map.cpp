@@ -18,7 +18,7 @@ class MeasuredMap final : public SignalMap {
     }
   }
 
-  [[nodiscard]] agents::QosKind qos_kind() const noexcept override { return agents::QosKind::throughput; }
+  [[nodiscard]] QosKind qos_kind() const noexcept override { return QosKind::throughput; }
   [[nodiscard]] const HeightGrid& heights() const noexcept override { return heights_; }
   [[nodiscard]] std::uint32_t steps() const noexcept override { return static_cast<std::uint32_t>(columns_.size()); }
   [[nodiscard]] std::uint32_t result_point(std::uint32_t step) const noexcept override { return step - 1; }

@@ -11,7 +11,7 @@ using namespace aloft;
 TEST_CASE("a measured map reads step j at row j, and the start at the first") {
   const auto map = radio::make_measured_map(world::parse_measured_flight(
       "step,height_m,throughput_kbps,serving_cell\n1,30,29020,5\n1,40,200,6\n2,30,300,7\n2,40,400,8\n", "flight.csv"));
-  CHECK(map->qos_kind() == agents::QosKind::throughput);
+  CHECK(map->qos_kind() == radio::QosKind::throughput);
   CHECK(map->steps() == 2);
   CHECK(map->heights().size() == 2);
   CHECK(map->heights().indices_per_step() == 1);

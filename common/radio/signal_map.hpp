@@ -4,19 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/agents/observation.hpp"
+#include "common/radio/reading.hpp"
 #include "common/world/world.hpp"
 
 namespace aloft::radio {
-
-/// What the modem reads at one place.
-struct Reading {
-  double qos = 0.0;  ///< bit/s/Hz or kbit/s: SignalMap::qos_kind
-  double serving_sinr_db = 0.0;
-  std::int32_t serving_cell = -1;
-  std::uint32_t neighbour_count = 0;
-  std::array<double, agents::max_neighbours> neighbour_sinr_db{};  ///< descending
-};
 
 /// The heights of a world: index i is height_min_m + i * resolution_m.
 struct HeightGrid {
@@ -40,7 +31,7 @@ class SignalMap {
  public:
   virtual ~SignalMap() = default;
 
-  [[nodiscard]] virtual agents::QosKind qos_kind() const noexcept = 0;
+  [[nodiscard]] virtual QosKind qos_kind() const noexcept = 0;
   [[nodiscard]] virtual const HeightGrid& heights() const noexcept = 0;
   /// Actions in a flight. The result of step j is read at route point result_point(j).
   [[nodiscard]] virtual std::uint32_t steps() const noexcept = 0;

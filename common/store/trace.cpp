@@ -140,10 +140,10 @@ FlightRecord decode_trace(std::string_view bytes) {
   require(trace.version() == trace_version,
           fmt::format("its format has version {}, this program reads version {}", trace.version(), trace_version));
   require(trace.GetReflection()->GetUnknownFields(trace).empty(), "unknown fields");
-  require(trace.qos_kind() <= static_cast<std::uint32_t>(agents::QosKind::throughput), "unknown kind of quality");
+  require(trace.qos_kind() <= static_cast<std::uint32_t>(radio::QosKind::throughput), "unknown kind of quality");
   check_columns(trace);
   FlightRecord record;
-  record.qos_kind = static_cast<agents::QosKind>(trace.qos_kind());
+  record.qos_kind = static_cast<radio::QosKind>(trace.qos_kind());
   record.height_start_m = trace.height_start_m();
   record.pilots.assign(trace.pilots().begin(), trace.pilots().end());
   record.steps.reserve(static_cast<std::size_t>(trace.action_size()));

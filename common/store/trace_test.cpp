@@ -16,7 +16,7 @@ namespace {
 /// Two steps with every field in use.
 FlightRecord full_record() {
   FlightRecord record;
-  record.qos_kind = agents::QosKind::throughput;
+  record.qos_kind = radio::QosKind::throughput;
   record.height_start_m = 20.0;
   record.pilots = {"dqn", "min-height"};
   record.steps.push_back({1, Action::up, 1.5, -2.5, 30.0, 7, 3.25, 41000.5, 41000.5, 0, {}});

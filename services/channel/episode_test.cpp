@@ -42,7 +42,7 @@ struct Talk {
     return message;
   }
 
-  flight::SyntheticMap map = flight::SyntheticMap::random(agents::QosKind::spectral_efficiency, 3, 5, 1);
+  flight::SyntheticMap map = flight::SyntheticMap::random(radio::QosKind::spectral_efficiency, 3, 5, 1);
   agents::AgentSpec spec;
   Episode episode;
   wire::ChannelReport last_report;

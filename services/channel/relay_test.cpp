@@ -74,7 +74,7 @@ struct Talk {
     return names;
   }
 
-  flight::SyntheticMap map = flight::SyntheticMap::random(agents::QosKind::spectral_efficiency, 9, 5, 1);
+  flight::SyntheticMap map = flight::SyntheticMap::random(radio::QosKind::spectral_efficiency, 9, 5, 1);
   experiment::Experiment experiment;
   std::unique_ptr<Episode> episode;
   Clock::time_point now = start;

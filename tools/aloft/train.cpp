@@ -32,10 +32,10 @@ struct TrainOptions {
 constexpr std::uint64_t largest_checkpoint_bytes = std::uint64_t{16} << 30U;
 
 /// The networks that a model holds.
-constexpr std::array kinds{agents::QosKind::spectral_efficiency, agents::QosKind::throughput};
+constexpr std::array kinds{radio::QosKind::spectral_efficiency, radio::QosKind::throughput};
 
-std::string key_of(agents::QosKind kind) {
-  return kind == agents::QosKind::throughput ? "throughput" : "spectral_efficiency";
+std::string key_of(radio::QosKind kind) {
+  return kind == radio::QosKind::throughput ? "throughput" : "spectral_efficiency";
 }
 
 /// The status line and the validation log of both trainings, which run side by side.
@@ -73,7 +73,7 @@ class Desk {
   std::array<std::vector<std::string>, kinds.size()> lines_;
 };
 
-std::filesystem::path checkpoint_of(const TrainOptions& options, agents::QosKind kind) {
+std::filesystem::path checkpoint_of(const TrainOptions& options, radio::QosKind kind) {
   return fmt::format("{}.{}.checkpoint", options.out.string(), key_of(kind));
 }
 
@@ -134,7 +134,7 @@ int train_pretrained(const TrainOptions& options) {
   experiment::write_text_file(options.out, bytes);
   experiment::write_text_file(options.out.string() + ".sha256",
                               fmt::format("{}  {}\n", sha256_hex(bytes), options.out.filename().string()));
-  for (const agents::QosKind kind : kinds) std::filesystem::remove(checkpoint_of(options, kind));
+  for (const radio::QosKind kind : kinds) std::filesystem::remove(checkpoint_of(options, kind));
   fmt::print("{}: {} bytes, SHA-256 {}\n", options.out.string(), bytes.size(), sha256_hex(bytes));
   return exit_ok;
 }

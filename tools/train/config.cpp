@@ -12,8 +12,8 @@
 namespace aloft::train {
 namespace {
 
-std::vector<ParameterSpec> table_of(agents::QosKind kind) {
-  const bool throughput = kind == agents::QosKind::throughput;
+std::vector<ParameterSpec> table_of(radio::QosKind kind) {
+  const bool throughput = kind == radio::QosKind::throughput;
   return {
       integer_parameter("seed", throughput ? 7'002 : 7'001, 0, 1e9, "Of worlds, flights and weights."),
       integer_parameter("worlds", 1'500, 1, 100'000,
@@ -36,10 +36,10 @@ std::vector<ParameterSpec> table_of(agents::QosKind kind) {
 
 }  // namespace
 
-const std::vector<ParameterSpec>& stage_parameters(agents::QosKind kind) {
-  static const auto spectral_efficiency = table_of(agents::QosKind::spectral_efficiency);
-  static const auto throughput = table_of(agents::QosKind::throughput);
-  return kind == agents::QosKind::throughput ? throughput : spectral_efficiency;
+const std::vector<ParameterSpec>& stage_parameters(radio::QosKind kind) {
+  static const auto spectral_efficiency = table_of(radio::QosKind::spectral_efficiency);
+  static const auto throughput = table_of(radio::QosKind::throughput);
+  return kind == radio::QosKind::throughput ? throughput : spectral_efficiency;
 }
 
 nlohmann::json Config::canonical() const {
@@ -53,12 +53,12 @@ Config read_config(const std::filesystem::path& file) {
     if (key != "spectral_efficiency" && key != "throughput")
       throw InputError(
           fmt::format("{}: unknown key \"{}\"; allowed: spectral_efficiency, throughput", file.string(), excerpt(key)));
-  const auto stage = [&](const char* key, agents::QosKind kind) {
+  const auto stage = [&](const char* key, radio::QosKind kind) {
     return Parameters(stage_parameters(kind), json.value(key, nlohmann::json::object()),
                       fmt::format("{}: {}", file.string(), key));
   };
-  return {stage("spectral_efficiency", agents::QosKind::spectral_efficiency),
-          stage("throughput", agents::QosKind::throughput)};
+  return {stage("spectral_efficiency", radio::QosKind::spectral_efficiency),
+          stage("throughput", radio::QosKind::throughput)};
 }
 
 }  // namespace aloft::train

@@ -10,7 +10,7 @@
 namespace aloft::train {
 
 /// How the network for one kind of quality is trained.
-[[nodiscard]] const std::vector<ParameterSpec>& stage_parameters(agents::QosKind kind);
+[[nodiscard]] const std::vector<ParameterSpec>& stage_parameters(radio::QosKind kind);
 
 struct Config {
   Parameters spectral_efficiency;

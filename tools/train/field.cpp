@@ -13,7 +13,7 @@
 namespace aloft::train {
 namespace {
 
-agents::PretrainedReport report_of(agents::QosKind kind, std::uint32_t level, const radio::Reading& reading) {
+agents::PretrainedReport report_of(radio::QosKind kind, std::uint32_t level, const radio::Reading& reading) {
   agents::Observation observation;
   observation.serving_sinr_db = reading.serving_sinr_db;
   observation.neighbour_count = reading.neighbour_count;
@@ -64,7 +64,7 @@ Field generated_field(double bs_density_per_km2, std::uint64_t seed, std::uint32
 
 Field random_throughput_field(std::uint64_t seed, std::uint32_t trial) {
   RandomStream random(seed, trial, "throughput field");
-  Field field{agents::QosKind::throughput,
+  Field field{radio::QosKind::throughput,
               between(random, agents::training_worlds.measured_levels_min, agents::training_worlds.measured_levels_max),
               between(random, agents::training_worlds.measured_steps_min, agents::training_worlds.measured_steps_max),
               0,

@@ -10,7 +10,7 @@ namespace aloft::train {
 
 /// All reports of one world on the heights that single actions lead to: what training flies over.
 struct Field {
-  agents::QosKind kind = agents::QosKind::spectral_efficiency;
+  radio::QosKind kind = radio::QosKind::spectral_efficiency;
   std::uint32_t levels = 0;
   std::uint32_t steps = 0;
   std::uint32_t first_result = 0;                 ///< route point where the result of step 1 is read

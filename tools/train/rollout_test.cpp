@@ -14,7 +14,7 @@ namespace {
 /// Three levels, four steps; the quality of step s at level k is `qos[s - 1][k]`.
 Field hand_made() {
   const double qos[4][3] = {{1, 2, 4}, {8, 0, 1}, {3, 5, 7}, {2, 6, 9}};
-  Field field{agents::QosKind::throughput, 3, 4, 0, {}};
+  Field field{radio::QosKind::throughput, 3, 4, 0, {}};
   for (const auto& row : qos)
     for (std::uint32_t k = 0; k < 3; ++k) field.reports.push_back({k, static_cast<float>(row[k]), {}});
   return field;

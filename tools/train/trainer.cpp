@@ -16,7 +16,7 @@ namespace aloft::train {
 namespace {
 
 using agents::PretrainedState;
-using agents::QosKind;
+using radio::QosKind;
 
 constexpr std::size_t worlds_per_item = 16;
 // Base stations per km2.

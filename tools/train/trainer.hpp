@@ -30,7 +30,7 @@ struct Validation {
 /// some steps; and fits the sums of quality. The round that is best on held-out worlds is kept.
 class Trainer {
  public:
-  Trainer(agents::QosKind kind, const Parameters& settings, unsigned threads, Watch watch);
+  Trainer(radio::QosKind kind, const Parameters& settings, unsigned threads, Watch watch);
 
   [[nodiscard]] bool finished() const noexcept;
   /// Trains the next round. Interrupted if the watch says so; then only save_state of before is of use.
@@ -63,7 +63,7 @@ class Trainer {
   [[nodiscard]] std::vector<Validation> validate(std::uint32_t round);
   [[nodiscard]] Validation fly_held_out(std::size_t world, GreedyPolicy& policy) const;
 
-  agents::QosKind kind_;
+  radio::QosKind kind_;
   Parameters settings_;
   unsigned threads_;
   Watch watch_;

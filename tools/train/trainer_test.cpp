@@ -8,8 +8,8 @@
 #include "tools/train/config.hpp"
 
 using namespace aloft;
-using agents::QosKind;
 using Catch::Matchers::Contains;
+using radio::QosKind;
 using train::Trainer;
 
 namespace {

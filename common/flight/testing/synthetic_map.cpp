@@ -7,7 +7,7 @@
 
 namespace aloft::flight {
 
-using agents::QosKind;
+using radio::QosKind;
 
 SyntheticMap::SyntheticMap(QosKind kind, const radio::HeightGrid& grid, std::vector<std::vector<double>> qos)
     : kind_(kind), grid_(grid), qos_(std::move(qos)), columns_(qos_.size()) {
@@ -38,7 +38,7 @@ radio::Reading SyntheticMap::reading(std::uint32_t point, std::uint32_t index) c
   const double spectral_efficiency = kind_ == QosKind::throughput ? reading.qos / 10'000.0 : reading.qos;
   reading.serving_sinr_db = 10.0 * std::log10(std::exp2(spectral_efficiency) - 1.0 + 1e-9);
   reading.serving_cell = static_cast<std::int32_t>(reading.qos) % 7;
-  reading.neighbour_count = kind_ == QosKind::throughput ? 0 : agents::max_neighbours;
+  reading.neighbour_count = kind_ == QosKind::throughput ? 0 : radio::max_neighbours;
   for (std::uint32_t i = 0; i < reading.neighbour_count; ++i)
     reading.neighbour_sinr_db.at(i) = reading.serving_sinr_db - 3.0 * (i + 1);
   return reading;

@@ -15,17 +15,17 @@ namespace aloft::flight {
 class SyntheticMap final : public radio::SignalMap {
  public:
   /// `qos[point][i]`: at height grid.height_min_m + i * grid.resolution_m; all rows have grid.size() values.
-  SyntheticMap(agents::QosKind kind, const radio::HeightGrid& grid, std::vector<std::vector<double>> qos);
+  SyntheticMap(radio::QosKind kind, const radio::HeightGrid& grid, std::vector<std::vector<double>> qos);
 
   /// Smooth random hills over heights and points, a pure function of the seed: 10 m steps from 40 m.
-  static SyntheticMap random(agents::QosKind kind, std::uint32_t steps, std::uint32_t levels, std::uint64_t seed);
+  static SyntheticMap random(radio::QosKind kind, std::uint32_t steps, std::uint32_t levels, std::uint64_t seed);
 
   /// The UAV swerves by 10 m to the side of an even or odd serving cell: a route that depends on the flight.
   void follow_serving_cell() noexcept { follow_serving_cell_ = true; }
   [[nodiscard]] const std::vector<std::vector<double>>& qos() const noexcept { return qos_; }
   void set_qos(std::uint32_t point, std::uint32_t index, double value);
 
-  [[nodiscard]] agents::QosKind qos_kind() const noexcept override { return kind_; }
+  [[nodiscard]] radio::QosKind qos_kind() const noexcept override { return kind_; }
   [[nodiscard]] const radio::HeightGrid& heights() const noexcept override { return grid_; }
   [[nodiscard]] std::uint32_t steps() const noexcept override;
   [[nodiscard]] std::uint32_t result_point(std::uint32_t step) const noexcept override;
@@ -38,7 +38,7 @@ class SyntheticMap final : public radio::SignalMap {
  private:
   [[nodiscard]] radio::Reading reading(std::uint32_t point, std::uint32_t index) const;
 
-  agents::QosKind kind_;
+  radio::QosKind kind_;
   radio::HeightGrid grid_;
   std::vector<std::vector<double>> qos_;
   std::vector<std::vector<radio::Reading>> columns_;

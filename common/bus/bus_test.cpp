@@ -389,7 +389,7 @@ TEST_CASE("the strongest live writer is heard; the next one takes over when it d
 }
 
 TEST_CASE("a waiter ends by data, by wake, by a stop, or by its limit") {
-  bus::StopSignal stop;
+  StopSignal stop;
   bus::Waiter waiter(stop);
   CHECK_FALSE(waiter.wait(10ms));
   waiter.wake();

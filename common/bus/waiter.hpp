@@ -3,8 +3,8 @@
 #include <chrono>
 #include <memory>
 
+#include "common/base/stop_signal.hpp"
 #include "common/bus/endpoint.hpp"
-#include "common/bus/stop_signal.hpp"
 
 namespace aloft::bus {
 

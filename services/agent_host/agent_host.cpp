@@ -55,7 +55,7 @@ struct Seat {
 }  // namespace
 
 struct AgentHost::State {
-  State(const bus::BusOptions& place, const AgentHostOptions& wanted, bus::StopSignal& stop_signal)
+  State(const bus::BusOptions& place, const AgentHostOptions& wanted, StopSignal& stop_signal)
       : options(wanted), stop(stop_signal), participant(place), commands(participant, {.strength = wanted.strength}) {
     liveliness.add(commands);
     waiter.add(follower.reader());
@@ -286,7 +286,7 @@ struct AgentHost::State {
   }
 
   AgentHostOptions options;
-  bus::StopSignal& stop;
+  StopSignal& stop;
   bus::Participant participant;
   bus::Writer<wire::HeightCommand> commands;
   bus::Writer<wire::AgentStatus> statuses{participant};
@@ -308,7 +308,7 @@ struct AgentHost::State {
   std::optional<ThreadPool> pool;  // last: its threads use what stands above
 };
 
-AgentHost::AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, bus::StopSignal& stop)
+AgentHost::AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop)
     : state_(std::make_unique<State>(place, options, stop)) {}
 
 AgentHost::~AgentHost() = default;

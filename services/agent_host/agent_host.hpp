@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/stop_signal.hpp"
 #include "common/bus/participant.hpp"
-#include "common/bus/stop_signal.hpp"
 
 namespace aloft::agent_host {
 
@@ -21,7 +21,7 @@ struct AgentHostOptions {
 /// or a stop is requested.
 class AgentHost {
  public:
-  AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, bus::StopSignal& stop);
+  AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop);
   ~AgentHost();
   AgentHost(const AgentHost&) = delete;
   AgentHost& operator=(const AgentHost&) = delete;

@@ -55,7 +55,7 @@ std::uint32_t first_attempt() {
 }  // namespace
 
 struct Channel::State {
-  State(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop_signal)
+  State(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop_signal)
       : stop(stop_signal), participant(place), waiter(stop_signal), trials(options.lanes), flies_only(options.agents) {
     waiter.add(follower.reader());
     waiter.add(worlds);
@@ -495,7 +495,7 @@ struct Channel::State {
 
   [[nodiscard]] std::uint64_t lease_of(const Episode& episode) const { return leases.at(episode.address().stream); }
 
-  bus::StopSignal& stop;
+  StopSignal& stop;
   bus::Participant participant;
   runtime::RunFollower follower{participant};
   bus::Reader<wire::World> worlds{participant};
@@ -547,7 +547,7 @@ struct Channel::State {
   MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses what stands above
 };
 
-Channel::Channel(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop)
+Channel::Channel(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop)
     : state_(std::make_unique<State>(place, options, stop)) {}
 
 Channel::~Channel() = default;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/base/stop_signal.hpp"
 #include "common/bus/participant.hpp"
-#include "common/bus/stop_signal.hpp"
 
 namespace aloft::channel {
 
@@ -19,7 +19,7 @@ struct ChannelOptions {
 /// and keeps every finished flight until it is stored.
 class Channel {
  public:
-  Channel(const bus::BusOptions& place, const ChannelOptions& options, bus::StopSignal& stop);
+  Channel(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop);
   ~Channel();
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;

@@ -366,7 +366,7 @@ class Conversation {
     }
   }
 
-  bus::StopSignal& stop_;
+  StopSignal& stop_;
   runtime::Notifier& notifier_;
   const ServiceOptions& options_;
   const experiment::Experiment& experiment_;

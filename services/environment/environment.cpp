@@ -33,7 +33,7 @@ struct Environment::State {
     int sends = 0;
   };
 
-  State(const bus::BusOptions& place, bus::StopSignal& stop_signal)
+  State(const bus::BusOptions& place, StopSignal& stop_signal)
       : stop(stop_signal), participant(place), waiter(stop_signal) {
     waiter.add(follower.reader());
     waiter.add(assignments);
@@ -99,7 +99,7 @@ struct Environment::State {
                  queue.size());
   }
 
-  bus::StopSignal& stop;
+  StopSignal& stop;
   bus::Participant participant;
   runtime::RunFollower follower{participant};
   bus::Reader<wire::TrialAssignment> assignments{participant};
@@ -113,7 +113,7 @@ struct Environment::State {
   bool told_missing = false;
 };
 
-Environment::Environment(const bus::BusOptions& place, bus::StopSignal& stop)
+Environment::Environment(const bus::BusOptions& place, StopSignal& stop)
     : state_(std::make_unique<State>(place, stop)) {}
 
 Environment::~Environment() = default;

@@ -2,15 +2,15 @@
 
 #include <memory>
 
+#include "common/base/stop_signal.hpp"
 #include "common/bus/participant.hpp"
-#include "common/bus/stop_signal.hpp"
 
 namespace aloft::environment {
 
 /// Turns the trials that are leased to its worker into worlds: a generated city, or a measured flight.
 class Environment {
  public:
-  Environment(const bus::BusOptions& place, bus::StopSignal& stop);
+  Environment(const bus::BusOptions& place, StopSignal& stop);
   ~Environment();
   Environment(const Environment&) = delete;
   Environment& operator=(const Environment&) = delete;

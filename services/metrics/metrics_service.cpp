@@ -275,7 +275,7 @@ class Conversation {
     spdlog::warn("{}", refused);
   }
 
-  bus::StopSignal& stop_;
+  StopSignal& stop_;
   runtime::Notifier& notifier_;
   const ServiceOptions& options_;
   const experiment::Experiment& experiment_;

@@ -126,7 +126,7 @@ int guarded(const MadeLog& made, const std::function<int()>& work) {
 
 int serve(const CommonOptions& options, const ServiceInfo& info, const std::function<void(Service&)>& run,
           MadeLog& made) {
-  bus::StopSignal stop;  // before any other thread
+  StopSignal stop;  // before any other thread
   Notifier notifier(options.die_with_parent);
   if (options.die_with_parent) follow_parent();
   open_log(options, info, made);

@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "common/base/stop_signal.hpp"
 #include "common/bus/participant.hpp"
-#include "common/bus/stop_signal.hpp"
 #include "services/runtime/notifier.hpp"
 
 namespace aloft::runtime {
@@ -23,7 +23,7 @@ struct ServiceInfo {
 /// What every service is given. Options that all have in common are parsed already.
 struct Service {
   bus::BusOptions bus;
-  bus::StopSignal& stop;
+  StopSignal& stop;
   Notifier& notifier;  ///< services that run alone under a service manager tell it how they are
 };
 

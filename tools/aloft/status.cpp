@@ -128,7 +128,7 @@ std::string picture(const StatusOptions& options, const Json& news, bool termina
   return text;
 }
 
-int watch(const StatusOptions& options, Observer& observer, bus::StopSignal& stop) {
+int watch(const StatusOptions& options, Observer& observer, StopSignal& stop) {
   constexpr std::string_view clear_screen = "\033[H\033[2J";
   const bool terminal = options.format == "text" && isatty(STDOUT_FILENO) == 1;
   const auto period = terminal ? redraw_period : options.format == "json" ? record_period : plain_line_period;
@@ -148,7 +148,7 @@ int watch(const StatusOptions& options, Observer& observer, bus::StopSignal& sto
   return exit_ok;
 }
 
-int once(const StatusOptions& options, Observer& observer, bus::StopSignal& stop) {
+int once(const StatusOptions& options, Observer& observer, StopSignal& stop) {
   bus::Waiter waiter(stop);
   const auto start = Clock::now();
   const auto limit = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.wait_s));
@@ -168,7 +168,7 @@ int once(const StatusOptions& options, Observer& observer, bus::StopSignal& stop
 }
 
 int show_status(const StatusOptions& options) {
-  bus::StopSignal stop;  // before any other thread
+  StopSignal stop;  // before any other thread
   spdlog::set_level(spdlog::level::err);
   Observer observer(options);
   return options.watch ? watch(options, observer, stop) : once(options, observer, stop);

@@ -8,8 +8,8 @@
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
+#include "common/base/stop_signal.hpp"
 #include "common/bus/endpoint.hpp"
-#include "common/bus/stop_signal.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
@@ -33,7 +33,7 @@ struct SwapOptions {
 /// One order to the channel of one worker.
 class Swap {
  public:
-  Swap(const SwapOptions& options, bus::StopSignal& stop)
+  Swap(const SwapOptions& options, StopSignal& stop)
       : options_(options), stop_(stop), participant_(options.place), waiter_(stop) {
     waiter_.add(workers_);
     waiter_.add(replies_);
@@ -121,7 +121,7 @@ class Swap {
   }
 
   const SwapOptions& options_;
-  bus::StopSignal& stop_;
+  StopSignal& stop_;
   bus::Participant participant_;
   bus::Reader<wire::WorkerStatus> workers_{participant_};
   bus::Writer<wire::SwapRequest> requests_{participant_};
@@ -154,7 +154,7 @@ void add_swap(CLI::App& app, Job& job) {
       ->capture_default_str();
   command->callback([options, &job] {
     job = [options] {
-      bus::StopSignal stop;
+      StopSignal stop;
       options->place.process = "aloft-swap";
       options->place.role = bus::Role::run_operator;
       return Swap(*options, stop).run();

@@ -169,7 +169,7 @@ class Membership {
   }
 
   const WorkerOptions& options_;
-  bus::StopSignal stop_;  // before any other thread
+  StopSignal stop_;  // before any other thread
   runtime::Notifier notifier_;
   bus::Participant participant_;
   runtime::RunFollower follower_{participant_};

@@ -1,4 +1,4 @@
-#include "common/bus/stop_signal.hpp"
+#include "common/base/stop_signal.hpp"
 
 #include <poll.h>
 #include <pthread.h>
@@ -13,7 +13,7 @@
 
 #include "common/base/error.hpp"
 
-namespace aloft::bus {
+namespace aloft {
 namespace {
 
 sigset_t stop_signals() {
@@ -73,4 +73,4 @@ void StopSignal::watch() {
   }
 }
 
-}  // namespace aloft::bus
+}  // namespace aloft

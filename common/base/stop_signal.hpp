@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-namespace aloft::bus {
+namespace aloft {
 
 /// Turns SIGINT and SIGTERM into a flag and wakes whoever waits. Make it in main() before any other thread: the signals
 /// are blocked there and in every thread started later. A second signal ends the process at once with code 130.
@@ -45,4 +45,4 @@ class StopSignal {
   std::thread thread_;
 };
 
-}  // namespace aloft::bus
+}  // namespace aloft

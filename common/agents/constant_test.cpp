@@ -1,13 +1,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/registry.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 using namespace aloft::agents;
 
 TEST_CASE("constant conforms") {
-  check_conformance({{"type", "constant"}, {"height_m", {60, 120, 1000}}});
+  aloft::flight::check_conformance({{"type", "constant"}, {"height_m", {60, 120, 1000}}});
 }
 
 TEST_CASE("constant climbs or descends to the level nearest to its height") {

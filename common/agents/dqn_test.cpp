@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/registry.hpp"
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test of this namespace
 using Json = nlohmann::json;
@@ -105,8 +105,9 @@ std::string error_of(const Json& given) {
 }  // namespace
 
 TEST_CASE("dqn conforms") {
-  check_conformance({{"type", "dqn"}, {"hidden_width", 16}, {"epochs", 5}});
-  check_conformance({{"type", "dqn"}, {"hidden_width", 16}, {"epochs", 5}, {"memory", "lifelong"}}, {.lifelong = true});
+  aloft::flight::check_conformance({{"type", "dqn"}, {"hidden_width", 16}, {"epochs", 5}});
+  aloft::flight::check_conformance({{"type", "dqn"}, {"hidden_width", 16}, {"epochs", 5}, {"memory", "lifelong"}},
+                                   {.lifelong = true});
 }
 
 TEST_CASE("the DQN finds the best height of a hill") {

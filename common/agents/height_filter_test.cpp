@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/height_belief.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/random.hpp"
 #include "common/flight/flight.hpp"
+#include "common/flight/testing/conformance.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 
 using namespace aloft::agents;
@@ -70,7 +70,7 @@ int best_neighbour(const HeightBelief& belief, double per_unit, int here) {
 }  // namespace
 
 TEST_CASE("height-filter conforms") {
-  check_conformance("height-filter");
+  aloft::flight::check_conformance("height-filter");
 }
 
 TEST_CASE("height-filter flies the first action of the best of all plans") {

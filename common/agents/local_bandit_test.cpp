@@ -1,13 +1,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/registry.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 using namespace aloft::agents;
 
 TEST_CASE("local-bandit conforms") {
-  check_conformance("local-bandit");
+  aloft::flight::check_conformance("local-bandit");
 }
 
 TEST_CASE("local-bandit weighs known, stale and unknown heights") {

@@ -1,13 +1,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/registry.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 using namespace aloft::agents;
 
 TEST_CASE("min-height conforms") {
-  check_conformance("min-height");
+  aloft::flight::check_conformance("min-height");
 }
 
 TEST_CASE("min-height holds at the floor, and returns to it") {

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "common/agents/conformance.hpp"
 #include "common/flight/flight.hpp"
+#include "common/flight/testing/conformance.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 
 using namespace aloft::agents;
@@ -26,7 +26,7 @@ std::vector<double> heights_flown(const nlohmann::json& entry, SyntheticMap map)
 }  // namespace
 
 TEST_CASE("one-step-ahead conforms") {
-  check_conformance({{"type", "one-step-ahead"}, {"target_resolution_m", {0, 10, 20}}});
+  aloft::flight::check_conformance({{"type", "one-step-ahead"}, {"target_resolution_m", {0, 10, 20}}});
 }
 
 TEST_CASE("one-step-ahead moves towards the best height of the place where its result is read") {

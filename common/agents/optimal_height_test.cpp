@@ -1,15 +1,15 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/conformance.hpp"
 #include "common/flight/flight.hpp"
+#include "common/flight/testing/conformance.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 
 using namespace aloft::agents;
 using aloft::flight::SyntheticMap;
 
 TEST_CASE("optimal-height conforms") {
-  check_conformance("optimal-height");
+  aloft::flight::check_conformance("optimal-height");
 }
 
 TEST_CASE("optimal-height reads the largest quality of every column") {

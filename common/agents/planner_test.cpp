@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/conformance.hpp"
 #include "common/flight/flight.hpp"
+#include "common/flight/testing/conformance.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 
 using namespace aloft::agents;
@@ -29,7 +29,7 @@ aloft::flight::FlightRecord plan(SyntheticMap& map) {
 }  // namespace
 
 TEST_CASE("planner conforms") {
-  check_conformance("planner");
+  aloft::flight::check_conformance("planner");
 }
 
 TEST_CASE("planner flies the best of all feasible flights") {

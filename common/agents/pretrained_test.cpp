@@ -5,13 +5,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/pretrained_builtin.hpp"
 #include "common/agents/pretrained_model.hpp"
 #include "common/agents/pretrained_state.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/flight/flight.hpp"
+#include "common/flight/testing/conformance.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 #include "tests/paths.hpp"
 
@@ -44,7 +44,7 @@ std::array<double, 3> values_of(const PretrainedModel::Network& network, const P
 }  // namespace
 
 TEST_CASE("pretrained conforms") {
-  check_conformance("pretrained");
+  aloft::flight::check_conformance("pretrained");
 }
 
 TEST_CASE("pretrained flies what its network prefers") {

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/agents/conformance.hpp"
 #include "common/agents/registry.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 using namespace aloft::agents;
 
@@ -25,7 +25,7 @@ std::vector<Action> walk(std::uint64_t seed, std::uint32_t trial, std::uint32_t 
 }  // namespace
 
 TEST_CASE("random-walk conforms") {
-  check_conformance("random-walk");
+  aloft::flight::check_conformance("random-walk");
 }
 
 TEST_CASE("random-walk takes each action in a third of the steps") {

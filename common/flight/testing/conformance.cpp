@@ -1,4 +1,4 @@
-#include "common/agents/conformance.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 #include <fmt/format.h>
 
@@ -16,11 +16,20 @@
 #include "common/flight/flight.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 
-namespace aloft::agents {
-namespace {
+namespace aloft::flight {
 
-using flight::Flight;
-using flight::SyntheticMap;
+using agents::Action;
+using agents::Agent;
+using agents::AgentSpec;
+using agents::AgentType;
+using agents::Command;
+using agents::FlightInfo;
+using agents::HeightProfile;
+using agents::Observation;
+using agents::Privilege;
+using agents::QosKind;
+
+namespace {
 
 constexpr std::uint64_t seed = 11;
 constexpr std::uint32_t trial = 5;
@@ -104,7 +113,10 @@ struct Flown {
 class Kit {
  public:
   Kit(const AgentSpec& spec, const ConformanceOptions& options, QosKind kind)
-      : spec_(spec), type_(agent_type(spec.type)), options_(options), map_(world(kind, options.steps, levels, seed)) {}
+      : spec_(spec),
+        type_(agents::agent_type(spec.type)),
+        options_(options),
+        map_(world(kind, options.steps, levels, seed)) {}
 
   /// The first problem of every check.
   std::vector<std::string> problems() {
@@ -136,7 +148,7 @@ class Kit {
     const auto keep = [&] {
       const std::uint32_t step = flight.observation().step;
       const std::uint32_t point = step == 0 ? 0 : map_.result_point(step);
-      const std::uint32_t level = nearest_level(flight.info(), flight.observation().height_m);
+      const std::uint32_t level = agents::nearest_level(flight.info(), flight.observation().height_m);
       other.set_qos(point, level, map_.qos()[point][level]);
     };
     Flown flown;
@@ -195,7 +207,7 @@ class Kit {
 
   /// One exchange: foresee, observe, act. The command that is to be executed is legal.
   void exchange(const Flight& flight, Agent& agent, Flown& flown) {
-    flight::foresee(flight, type_.privilege, buffer_, [&](const HeightProfile& profile) { agent.foresee(profile); });
+    foresee(flight, type_.privilege, buffer_, [&](const HeightProfile& profile) { agent.foresee(profile); });
     agent.observe(flight.observation());
     flown.reports.push_back(flight.observation());
     if (flight.finished()) return;
@@ -440,7 +452,7 @@ constexpr std::array kinds{QosKind::spectral_efficiency, QosKind::throughput};
 
 std::vector<std::string> conformance_problems(const nlohmann::json& entry, const ConformanceOptions& options) {
   std::vector<std::string> all;
-  for (const AgentSpec& spec : parse_agents(entry, "agent"))
+  for (const AgentSpec& spec : agents::parse_agents(entry, "agent"))
     for (const QosKind kind : kinds)
       for (std::string& problem : Kit(spec, options, kind).problems()) all.push_back(std::move(problem));
   return all;
@@ -462,4 +474,4 @@ bool depends_beyond_next_step(const AgentSpec& spec, const ConformanceOptions& o
                      [&](QosKind kind) { return Kit(spec, options, kind).depends_beyond_next_step(); });
 }
 
-}  // namespace aloft::agents
+}  // namespace aloft::flight

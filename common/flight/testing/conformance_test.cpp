@@ -1,5 +1,5 @@
 // The kit finds what it promises to find: agents that each break one promise.
-#include "common/agents/conformance.hpp"
+#include "common/flight/testing/conformance.hpp"
 
 #include <array>
 #include <catch2/catch.hpp>
@@ -13,7 +13,8 @@
 #include "common/base/error.hpp"
 #include "common/base/random.hpp"
 
-using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test of this namespace
+using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test of agents
+using namespace aloft::flight;  // NOLINT(google-build-using-namespace): a test of this namespace
 using aloft::Parameters;
 using aloft::RandomStream;
 using Catch::Matchers::Contains;

@@ -5,8 +5,10 @@
 #include <vector>
 
 namespace aloft::agents {
-
 struct AgentSpec;
+}
+
+namespace aloft::flight {
 
 struct ConformanceOptions {
   bool lifelong = false;  ///< the agent declares that it keeps memory from flight to flight
@@ -25,7 +27,7 @@ void check_conformance(const nlohmann::json& entry, const ConformanceOptions& op
 
 /// Whether the agent's flight changes with the qualities that the UAV does not measure in it; and with those beyond the
 /// next step.
-[[nodiscard]] bool depends_on_unmeasured(const AgentSpec& spec, const ConformanceOptions& options = {});
-[[nodiscard]] bool depends_beyond_next_step(const AgentSpec& spec, const ConformanceOptions& options = {});
+[[nodiscard]] bool depends_on_unmeasured(const agents::AgentSpec& spec, const ConformanceOptions& options = {});
+[[nodiscard]] bool depends_beyond_next_step(const agents::AgentSpec& spec, const ConformanceOptions& options = {});
 
-}  // namespace aloft::agents
+}  // namespace aloft::flight

@@ -15,10 +15,10 @@
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
 #include "common/bus/detail.hpp"
-#include "common/bus/keys.hpp"
 #include "common/bus/network.hpp"
 #include "common/bus/secured_transport.hpp"
 #include "common/bus/test_faults.hpp"
+#include "common/security/keys.hpp"
 
 namespace aloft::bus {
 
@@ -90,7 +90,7 @@ void use_discovery_server(const BusOptions& options, dds::WireProtocolConfigQos&
 }
 
 /// Authentication, access control and encryption, all with the files of our role. Nothing is left to a default.
-void secure(const KeyFiles& files, dds::DomainParticipantQos& qos) {
+void secure(const security::KeyFiles& files, dds::DomainParticipantQos& qos) {
   const auto uri = [](const std::filesystem::path& file) {
     return "file://" + std::filesystem::absolute(file).string();
   };
@@ -186,7 +186,7 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
           "--secure and --discovery-server cannot be combined: use multicast on a network of the run's own, or leave "
           "one "
           "of them out");
-    const KeyFiles files = check_keys(options.secure, options.role);
+    const security::KeyFiles files = security::check_keys(options.secure, options.role);
     neighbourhood.expect_authority(files.authority);
     secure(files, qos);
   }

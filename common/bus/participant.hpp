@@ -31,8 +31,9 @@ struct BusOptions {
   std::vector<std::string> interfaces{"127.0.0.1"};
   std::string discovery_server{};  ///< "HOST:PORT" of the server that introduces processes; empty: multicast
   bool serves_discovery = false;   ///< this process is that server
-  std::filesystem::path secure{};  ///< folder with the keys (keys.hpp); empty: neither authentication nor encryption
-  Role role = Role::observer;      ///< in a secured run
+  std::filesystem::path
+      secure{};  ///< folder with the keys (common/security/keys.hpp); empty: neither authentication nor encryption
+  Role role = Role::observer;  ///< in a secured run
   /// A process that is silent for this long is forgotten; not in a secured run, and not with a discovery server.
   std::chrono::milliseconds lease{1500};
 };

@@ -1,6 +1,5 @@
 #include "common/bus/topics.hpp"
 
-#include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 
 namespace aloft::bus {
@@ -47,41 +46,19 @@ template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept  
 template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,      baseline_agent,                                                Scope::privileged, false, all_steps, max_streams, false}; return row; }
 // clang-format on
 
-std::string_view to_text(Role role) noexcept {
-  switch (role) {
-    case Role::coordinator:
-      return "coordinator";
-    case Role::metrics:
-      return "metrics";
-    case Role::environment:
-      return "environment";
-    case Role::channel:
-      return "channel";
-    case Role::learning_agent:
-      return "learning-agent";
-    case Role::baseline_agent:
-      return "baseline-agent";
-    case Role::observer:
-      return "observer";
-    case Role::run_operator:
-      return "operator";
-  }
-  return "unknown";
-}
-
-Role role_from_text(std::string_view text) {
-  std::string names;
-  for (const Role role : all_roles) {
-    if (text == to_text(role)) return role;
-    names += (names.empty() ? "" : ", ") + std::string(to_text(role));
-  }
-  throw InputError("there is no role '" + std::string(text) + "'; roles: " + names);
-}
-
 std::vector<const TopicSettings*> all_topics() {
 #define ALOFT_BUS_ROW(T) &topic_settings<wire::T>(),
   return {ALOFT_BUS_TOPICS(ALOFT_BUS_ROW)};
 #undef ALOFT_BUS_ROW
+}
+
+security::TopicRights topic_rights(Role role) {
+  security::TopicRights rights;
+  for (const TopicSettings* topic : all_topics()) {
+    if (topic->writers.contain(role)) rights.writes.push_back(topic->name);
+    if (topic->readers.contain(role)) rights.reads.push_back(topic->name);
+  }
+  return rights;
 }
 
 }  // namespace aloft::bus

@@ -132,7 +132,7 @@ int serve(const CommonOptions& options, const ServiceInfo& info, const std::func
   open_log(options, info, made);
   Service service{options.bus, stop, notifier};
   service.bus.process = info.name;
-  if (!service.bus.secure.empty()) service.bus.role = bus::role_from_text(info.name.substr(program_prefix.size()));
+  if (!service.bus.secure.empty()) service.bus.role = security::role_from_text(info.name.substr(program_prefix.size()));
   std::optional<StandstillWatch> watch;
   if (const auto limit = bus::longest_standstill(service.bus)) watch.emplace(*limit, end_to_be_started_again());
   spdlog::info("process {} starts in run '{}', domain {}", getpid(), options.bus.run, options.bus.domain);

@@ -19,14 +19,14 @@
 #include <vector>
 
 #include "common/bus/endpoint.hpp"
-#include "common/bus/keys.hpp"
+#include "common/security/keys.hpp"
 #include "tests/faults/rogue.hpp"
 #include "tests/integration/command.hpp"
 
 using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using bus::Role;
+using security::Role;
 namespace fs = std::filesystem;
 
 namespace {
@@ -49,10 +49,10 @@ struct Shared {
 class Crowd {
  public:
   explicit Crowd(bool secured = true) : secured_(secured), shared_(map()) {
-    bus::init_keys(keys_.path() / "keys", 10);
+    security::init_keys(keys_.path() / "keys", 10);
     for (const Role role : {Role::channel, Role::environment})
-      bus::issue_keys(keys_.path() / "keys", {.role = role, .name = std::string(bus::to_text(role))},
-                      keys_.path() / "keys");
+      security::issue_keys(keys_.path() / "keys", {.role = role, .name = std::string(security::to_text(role))},
+                           bus::topic_rights(role), keys_.path() / "keys");
   }
   ~Crowd() {
     for (const pid_t child : children_) {
@@ -109,7 +109,7 @@ class Crowd {
   [[nodiscard]] bus::BusOptions place(Role role) const {
     bus::BusOptions options;
     options.run = "secured-bus-" + std::to_string(getpgrp());
-    options.process = bus::to_text(role);
+    options.process = security::to_text(role);
     options.domain = domain_;
     if (secured_) options.secure = keys_.path() / "keys";
     options.role = role;

@@ -11,22 +11,23 @@
 #include <thread>
 
 #include "common/bus/endpoint.hpp"
-#include "common/bus/keys.hpp"
+#include "common/security/keys.hpp"
 #include "tests/integration/command.hpp"
 
 using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using bus::Role;
 using Catch::Matchers::Contains;
+using security::Role;
 namespace fs = std::filesystem;
 
 namespace {
 
 void make_all_keys(const fs::path& dir) {
-  bus::init_keys(dir, 10);
-  for (const Role role : bus::all_roles)
-    bus::issue_keys(dir, {.role = role, .name = std::string(bus::to_text(role))}, dir);
+  security::init_keys(dir, 10);
+  for (const Role role : security::all_roles)
+    security::issue_keys(dir, {.role = role, .name = std::string(security::to_text(role))}, bus::topic_rights(role),
+                         dir);
 }
 
 template <class Done>
@@ -111,11 +112,12 @@ wire::TrialAssignment false_assignment() {
 /// Gives the holder of keys in `dir` permissions of the test's making, signed by the authority in `authority`.
 void permit(const fs::path& authority, const fs::path& dir, Role role, const std::string& name,
             const std::string& rules) {
-  const std::string unit(bus::to_text(role));
-  std::string text = bus::permissions_xml({.role = role, .name = name}, "CN=" + name + ",OU=" + unit + ",O=Aloft");
+  const std::string unit(security::to_text(role));
+  std::string text = security::permissions_xml({.role = role, .name = name}, bus::topic_rights(role),
+                                               "CN=" + name + ",OU=" + unit + ",O=Aloft");
   const std::size_t first = text.find("<allow_rule>");
   text.replace(first, text.find("<default>") - first, rules);
-  write_text(dir / unit / "permissions.p7s", bus::sign_document(authority, text));
+  write_text(dir / unit / "permissions.p7s", security::sign_document(authority, text));
 }
 
 std::string rule(const std::string& domains, const std::string& topics) {
@@ -233,7 +235,8 @@ TEST_CASE("intruders read and write nothing, and are named") {
     // The middleware looks at its own process's topics alone, but at those of others for the domain too. So permissions
     // for another domain stand for a program that has been tampered with.
     const fs::path keys = run.scratch("agent");
-    bus::issue_keys(run.keys(), {.role = Role::learning_agent, .name = "mallory"}, keys);
+    security::issue_keys(run.keys(), {.role = Role::learning_agent, .name = "mallory"},
+                         bus::topic_rights(Role::learning_agent), keys);
     permit(run.keys(), keys, Role::learning_agent, "mallory",
            rule("<id>" + test_domain() + "</id>", "<topic>HeightCommand</topic>") +
                rule("<id>101</id>", "<topic>*</topic>"));
@@ -258,7 +261,8 @@ TEST_CASE("whoever has an operator's keys may order a swap, and nothing else") {
   {
     INFO("observer");
     const fs::path keys = run.scratch("observer");
-    bus::issue_keys(run.keys(), {.role = Role::observer, .name = "alice"}, keys);
+    security::issue_keys(run.keys(), {.role = Role::observer, .name = "alice"}, bus::topic_rights(Role::observer),
+                         keys);
     const Finished refused = swap(keys);
     CHECK(refused.exit_code == 2);
     CHECK_THAT(refused.err, Contains("operator/cert.pem: is missing") && Contains("aloft keys issue"));
@@ -323,10 +327,10 @@ TEST_CASE("aloft keys makes what --secure takes") {
   const Finished issued = run_command({"aloft", "keys", "issue", dir, "channel", "learning-agent", "--name", "alpha",
                                        "--out", (scratch / "alpha").string()});
   CHECK(issued.exit_code == 0);
-  CHECK_NOTHROW(bus::check_keys(scratch / "alpha", Role::channel));
-  CHECK_NOTHROW(bus::check_keys(scratch / "alpha", Role::learning_agent));
+  CHECK_NOTHROW(security::check_keys(scratch / "alpha", Role::channel));
+  CHECK_NOTHROW(security::check_keys(scratch / "alpha", Role::learning_agent));
   CHECK(run_command({"aloft", "keys", "issue", dir, "all"}).exit_code == 0);
-  for (const Role role : bus::all_roles) CHECK_NOTHROW(bus::check_keys(dir, role));
+  for (const Role role : security::all_roles) CHECK_NOTHROW(security::check_keys(dir, role));
 
   const Finished again = run_command({"aloft", "keys", "init", dir});
   CHECK(again.exit_code == 2);

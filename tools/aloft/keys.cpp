@@ -1,4 +1,4 @@
-#include "common/bus/keys.hpp"
+#include "common/security/keys.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "common/base/error.hpp"
+#include "common/bus/topics.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 
@@ -29,12 +30,12 @@ constexpr int max_days = 36500;
 
 std::vector<std::string> role_names() {
   std::vector<std::string> names;
-  for (const bus::Role role : bus::all_roles) names.emplace_back(bus::to_text(role));
+  for (const security::Role role : security::all_roles) names.emplace_back(security::to_text(role));
   return names;
 }
 
 int init(const InitOptions& options) {
-  bus::init_keys(options.dir, options.days);
+  security::init_keys(options.dir, options.days);
   fmt::print("Made an authority in {0}, valid for {1} days. Next: aloft keys issue {0} all\n", options.dir.string(),
              options.days);
   return exit_ok;
@@ -43,12 +44,12 @@ int init(const InitOptions& options) {
 int issue(const IssueOptions& options) {
   const std::filesystem::path out = options.out.empty() ? options.dir : options.out;
   const bool all = options.roles == std::vector<std::string>{"all"};
-  for (const std::string& role : all ? role_names() : options.roles) {
-    bus::issue_keys(
-        options.dir,
-        {.role = bus::role_from_text(role), .name = options.name.empty() ? role : options.name, .days = options.days},
-        out);
-    fmt::print("{}: key.pem, cert.pem and permissions.p7s, valid for {} days\n", (out / role).string(), options.days);
+  for (const std::string& name : all ? role_names() : options.roles) {
+    const security::Role role = security::role_from_text(name);
+    security::issue_keys(options.dir,
+                         {.role = role, .name = options.name.empty() ? name : options.name, .days = options.days},
+                         bus::topic_rights(role), out);
+    fmt::print("{}: key.pem, cert.pem and permissions.p7s, valid for {} days\n", (out / name).string(), options.days);
   }
   fmt::print(stderr, "Keep ca.key.pem to yourself; processes are started with --secure {} and do not need it.\n",
              out.string());

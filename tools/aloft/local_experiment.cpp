@@ -13,9 +13,9 @@
 #include "common/base/plain_text.hpp"
 #include "common/base/terminal.hpp"
 #include "common/base/text_layout.hpp"
-#include "common/bus/keys.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/warnings.hpp"
+#include "common/security/keys.hpp"
 #include "common/store/result_store.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
@@ -93,8 +93,8 @@ void FlyingOptions::check(const experiment::Experiment& experiment) const {
                     "workers, or --in-process, where they are threads",
                     workers_here(), bus::max_processes, max_workers));
   if (!bus.secure.empty())  // now, rather than by processes that end and are started again
-    for (const bus::Role role : bus::all_roles)
-      if (role != bus::Role::run_operator) (void)bus::check_keys(bus.secure, role);
+    for (const security::Role role : security::all_roles)
+      if (role != security::Role::run_operator) (void)security::check_keys(bus.secure, role);
 }
 
 void FlyingOptions::add_to(CLI::App& command) {

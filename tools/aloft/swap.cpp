@@ -156,7 +156,7 @@ void add_swap(CLI::App& app, Job& job) {
     job = [options] {
       StopSignal stop;
       options->place.process = "aloft-swap";
-      options->place.role = bus::Role::run_operator;
+      options->place.role = security::Role::run_operator;
       return Swap(*options, stop).run();
     };
   });

@@ -14,9 +14,9 @@
 
 #include "common/base/error.hpp"
 #include "common/bus/endpoint.hpp"
-#include "common/bus/keys.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/learn/network.hpp"
+#include "common/security/keys.hpp"
 #include "tools/doctor/leftovers.hpp"
 
 namespace aloft::doctor {
@@ -224,11 +224,11 @@ Finding check_cpu() {
 
 std::vector<Finding> check_keys(const fs::path& dir) {
   std::vector<Finding> findings;
-  for (const bus::Role role : bus::all_roles) {
-    const std::string name(bus::to_text(role));
+  for (const security::Role role : security::all_roles) {
+    const std::string name(security::to_text(role));
     if (!fs::exists(dir / name)) continue;
     try {
-      (void)bus::check_keys(dir, role);
+      (void)security::check_keys(dir, role);
       findings.push_back({"keys", State::ok, name + ": valid", ""});
     } catch (const InputError& error) {
       findings.push_back({"keys", State::problem, error.what(), ""});

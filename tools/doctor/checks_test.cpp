@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "common/bus/keys.hpp"
+#include "common/security/keys.hpp"
 #include "tests/integration/command.hpp"
 #include "tools/doctor/leftovers.hpp"
 
@@ -92,9 +92,10 @@ TEST_CASE("ports in use are read from the kernel", "[doctor]") {
 TEST_CASE("keys of every role there is are looked at", "[doctor]") {
   const test::ScratchDir dir;
   CHECK(doctor::check_keys(dir.path()).front().state == State::problem);
-  bus::init_keys(dir / "keys", 10);
-  bus::issue_keys(dir / "keys", {.role = bus::Role::channel, .name = "a"}, dir / "keys");
-  bus::issue_keys(dir / "keys", {.role = bus::Role::metrics, .name = "a", .days = 1, .first_day = -5}, dir / "keys");
+  security::init_keys(dir / "keys", 10);
+  security::issue_keys(dir / "keys", {.role = security::Role::channel, .name = "a"}, {}, dir / "keys");
+  security::issue_keys(dir / "keys", {.role = security::Role::metrics, .name = "a", .days = 1, .first_day = -5}, {},
+                       dir / "keys");
   const auto findings = doctor::check_keys(dir / "keys");
   REQUIRE(findings.size() == 2);
   CHECK(findings[0].state == State::problem);

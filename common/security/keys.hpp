@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "common/bus/topics.hpp"
+#include "common/security/roles.hpp"
 
 /// The files behind `--secure DIR`: certificates, keys and permissions (DDS Security), made with OpenSSL.
 ///
@@ -12,8 +14,8 @@
 ///     DIR/governance.p7s          what is encrypted and who must prove who they are: the same for all; public
 ///     DIR/ROLE/cert.pem           one process's identity; its organisational unit is the role
 ///     DIR/ROLE/key.pem            its private key, mode 0600
-///     DIR/ROLE/permissions.p7s    the topics that it may write and read, from the table in topics.cpp
-namespace aloft::bus {
+///     DIR/ROLE/permissions.p7s    the topics that it may write and read
+namespace aloft::security {
 
 /// What a process of a secured run shows to the others.
 struct KeyFiles {
@@ -41,12 +43,20 @@ struct Identity {
   int first_day = 0;   ///< counted from now
 };
 
+/// Names of the topics that an identity may use.
+struct TopicRights {
+  std::vector<std::string_view> writes;
+  std::vector<std::string_view> reads;
+};
+
 /// Issues an identity with the authority of `dir` into `out` (`dir` itself, or the folder for another host), over one
 /// that is there. InputError if the authority is missing or has expired.
-void issue_keys(const std::filesystem::path& dir, const Identity& identity, const std::filesystem::path& out);
+void issue_keys(const std::filesystem::path& dir, const Identity& identity, const TopicRights& topics,
+                const std::filesystem::path& out);
 
 /// The permissions of an identity as DDS Security writes them; `subject`: of its certificate.
-[[nodiscard]] std::string permissions_xml(const Identity& identity, const std::string& subject);
+[[nodiscard]] std::string permissions_xml(const Identity& identity, const TopicRights& topics,
+                                          const std::string& subject);
 
 /// What is protected how, as DDS Security writes it: everybody authenticates, and each endpoint, those of discovery and
 /// liveliness too, encrypts all its messages with a key of its own, which is given to those alone who are permitted to
@@ -57,4 +67,4 @@ void issue_keys(const std::filesystem::path& dir, const Identity& identity, cons
 /// Signs `text` with the authority of `dir`, as governance and permissions must be.
 [[nodiscard]] std::string sign_document(const std::filesystem::path& dir, const std::string& text);
 
-}  // namespace aloft::bus
+}  // namespace aloft::security

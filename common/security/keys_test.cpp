@@ -1,5 +1,5 @@
-// Keys that must be refused, and what a role may do.
-#include "common/bus/keys.hpp"
+// Keys that must be refused.
+#include "common/security/keys.hpp"
 
 #include <unistd.h>
 
@@ -10,11 +10,13 @@
 #include "tests/integration/command.hpp"
 
 using namespace aloft;
-using namespace aloft::bus;
+using namespace aloft::security;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
 namespace {
+
+const TopicRights topics{.writes = {"WorkerStatus"}, .reads = {"RunControl"}};
 
 /// An authority with one identity.
 struct Scene {
@@ -26,7 +28,7 @@ struct Scene {
     issue(Role::channel);
   }
   void issue(Role role, int days = 10, int first_day = 0) const {
-    issue_keys(dir, {.role = role, .name = "alpha", .days = days, .first_day = first_day}, dir);
+    issue_keys(dir, {.role = role, .name = "alpha", .days = days, .first_day = first_day}, topics, dir);
   }
   [[nodiscard]] std::string refusal(Role role = Role::channel) const {
     try {
@@ -40,45 +42,10 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("every topic names who writes and who reads it", "[keys]") {
-  CHECK(all_topics().size() >= 15);
-  for (const TopicSettings* topic : all_topics()) {
-    INFO(topic->name);
-    CHECK(topic->writers.bits != 0);
-    CHECK(topic->readers.bits != 0);
-  }
-  // Who steers a run, and who flies.
-  for (const Role role : all_roles) {
-    INFO(to_text(role));
-    CHECK(topic_settings<wire::TrialAssignment>().writers.contain(role) == (role == Role::coordinator));
-    CHECK(topic_settings<wire::RunControl>().writers.contain(role) == (role == Role::coordinator));
-    CHECK(topic_settings<wire::SwapRequest>().writers.contain(role) == (role == Role::run_operator));
-    CHECK(topic_settings<wire::EpisodeStored>().writers.contain(role) == (role == Role::metrics));
-    CHECK(topic_settings<wire::HeightCommand>().writers.contain(role) ==
-          (role == Role::learning_agent || role == Role::baseline_agent));
-    CHECK(topic_settings<wire::HeightProfile>().readers.contain(role) == (role == Role::baseline_agent));
-    CHECK(role_from_text(to_text(role)) == role);
-  }
-  CHECK_THROWS_WITH(role_from_text("pilot"), Contains("'pilot'") && Contains("learning-agent"));
-}
-
-TEST_CASE("permissions are the table of topics, seen from one role", "[keys]") {
-  const std::string text = permissions_xml({.role = Role::environment, .name = "x"}, "CN=x,OU=environment,O=Aloft");
-  CHECK_THAT(text, Contains("<subject_name>CN=x,OU=environment,O=Aloft</subject_name>"));
-  const std::string writes = text.substr(text.find("<publish>"), text.find("</publish>") - text.find("<publish>"));
-  const std::string reads = text.substr(text.find("<subscribe>"));
-  CHECK_THAT(writes, Contains("<topic>World</topic>") && !Contains("RunControl"));
-  CHECK_THAT(reads, Contains("<topic>RunControl</topic>") && Contains("<topic>TrialAssignment</topic>") &&
-                        !Contains("<topic>World</topic>") && Contains("<default>DENY</default>"));
-  CHECK_THAT(permissions_xml({.role = Role::observer, .name = "x"}, "CN=x"), !Contains("<publish>"));
-  const std::string orders = permissions_xml({.role = Role::run_operator, .name = "x"}, "CN=x");
-  CHECK_THAT(orders, Contains("<topics>\n            <topic>SwapRequest</topic>\n          </topics>"));
-}
-
 TEST_CASE("good keys are taken, also from the folder for another host", "[keys]") {
   const Scene scene;
   CHECK(scene.refusal() == "");
-  issue_keys(scene.dir, {.role = Role::metrics, .name = "beta"}, scene.scratch / "beta");
+  issue_keys(scene.dir, {.role = Role::metrics, .name = "beta"}, topics, scene.scratch / "beta");
   CHECK_NOTHROW(check_keys(scene.scratch / "beta", Role::metrics));
   CHECK_FALSE(fs::exists(scene.scratch / "beta" / "ca.key.pem"));
   for (const char* file : {"ca.key.pem", "channel/key.pem"})
@@ -119,7 +86,8 @@ TEST_CASE("keys that are missing, open, old, of another role or altered are refu
     CHECK_THAT(scene.refusal(), Contains("cert.pem: expired at 20") && Contains(reissue));
   }
   SECTION("permissions that expired before the certificate") {
-    issue_keys(scene.dir, {.role = Role::channel, .name = "alpha", .days = 5, .first_day = -10}, scene.scratch / "old");
+    issue_keys(scene.dir, {.role = Role::channel, .name = "alpha", .days = 5, .first_day = -10}, topics,
+               scene.scratch / "old");
     fs::copy_file(scene.scratch / "old" / "channel" / "permissions.p7s", file("permissions.p7s"),
                   fs::copy_options::overwrite_existing);
     CHECK_THAT(scene.refusal(), Contains("permissions.p7s: expired at 20") && Contains(reissue));
@@ -136,13 +104,13 @@ TEST_CASE("keys that are missing, open, old, of another role or altered are refu
   }
   SECTION("of another authority") {
     init_keys(scene.scratch / "foreign", 10);
-    issue_keys(scene.scratch / "foreign", {.role = Role::channel, .name = "alpha"}, scene.scratch / "foreign");
+    issue_keys(scene.scratch / "foreign", {.role = Role::channel, .name = "alpha"}, topics, scene.scratch / "foreign");
     fs::remove_all(scene.dir / "channel");
     fs::rename(scene.scratch / "foreign" / "channel", scene.dir / "channel");
     CHECK_THAT(scene.refusal(), Contains("cert.pem: was not issued by the authority"));
   }
   SECTION("somebody else's key or permissions") {
-    issue_keys(scene.dir, {.role = Role::channel, .name = "beta"}, scene.scratch / "beta");
+    issue_keys(scene.dir, {.role = Role::channel, .name = "beta"}, topics, scene.scratch / "beta");
     const fs::path other = scene.scratch / "beta" / "channel";
     fs::copy_file(other / "permissions.p7s", file("permissions.p7s"), fs::copy_options::overwrite_existing);
     CHECK_THAT(scene.refusal(), Contains("permissions.p7s: is for another certificate"));
@@ -178,6 +146,6 @@ TEST_CASE("an authority is made once, and is needed to issue", "[keys]") {
   const Scene scene;
   CHECK_THROWS_WITH(init_keys(scene.dir, 10), Contains("holds an authority already"));
   fs::remove(scene.dir / "ca.key.pem");
-  CHECK_THROWS_WITH(issue_keys(scene.dir, {.role = Role::metrics, .name = "m"}, scene.dir),
+  CHECK_THROWS_WITH(issue_keys(scene.dir, {.role = Role::metrics, .name = "m"}, topics, scene.dir),
                     Contains("ca.key.pem") && Contains("aloft keys init"));
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside common/bus only: OpenSSL's objects, owned.
+// Inside common/security only: OpenSSL's objects, owned.
 
 #include <openssl/bio.h>
 #include <openssl/evp.h>
@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-namespace aloft::bus::openssl {
+namespace aloft::security::openssl {
 
 template <auto free_function>
 struct Free {
@@ -34,4 +34,4 @@ using Number = std::unique_ptr<BIGNUM, Free<BN_free>>;
 /// "CN=...,OU=...,O=...", as permissions name the holder of a certificate.
 [[nodiscard]] std::string subject_text(const X509* certificate);
 
-}  // namespace aloft::bus::openssl
+}  // namespace aloft::security::openssl

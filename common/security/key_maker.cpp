@@ -14,10 +14,10 @@
 
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
-#include "common/bus/keys.hpp"
-#include "common/bus/openssl.hpp"
+#include "common/security/keys.hpp"
+#include "common/security/openssl.hpp"
 
-namespace aloft::bus {
+namespace aloft::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -128,11 +128,10 @@ Authority open_authority(const fs::path& dir) {
   return authority;
 }
 
-std::string topic_rules(const char* direction, Role role, Roles TopicSettings::*who) {
+std::string topic_rules(const char* direction, const std::vector<std::string_view>& names) {
+  if (names.empty()) return "";
   std::string topics;
-  for (const TopicSettings* topic : all_topics())
-    if ((topic->*who).contain(role)) topics += fmt::format("            <topic>{}</topic>\n", topic->name);
-  if (topics.empty()) return "";
+  for (const std::string_view name : names) topics += fmt::format("            <topic>{}</topic>\n", name);
   return fmt::format(
       "        <{0}>\n          <topics>\n{1}          </topics>\n"
       "          <partitions><partition>aloft/*</partition></partitions>\n        </{0}>\n",
@@ -156,7 +155,7 @@ void write_governance(const fs::path& dir) {
 
 }  // namespace
 
-std::string permissions_xml(const Identity& identity, const std::string& subject) {
+std::string permissions_xml(const Identity& identity, const TopicRights& topics, const std::string& subject) {
   const std::time_t first = std::time(nullptr) + identity.first_day * day_s;
   // The certificate's dates count; these are wider, as some implementations read them as local time.
   return fmt::format(
@@ -180,8 +179,7 @@ std::string permissions_xml(const Identity& identity, const std::string& subject
 </dds>
 )",
       to_text(identity.role), subject, fmt::gmtime(first - 2 * day_s), fmt::gmtime(first + (identity.days + 1) * day_s),
-      topic_rules("publish", identity.role, &TopicSettings::writers),
-      topic_rules("subscribe", identity.role, &TopicSettings::readers));
+      topic_rules("publish", topics.writes), topic_rules("subscribe", topics.reads));
 }
 
 const std::string& governance_xml() {
@@ -246,7 +244,7 @@ void init_keys(const fs::path& dir, int days) {
   write_governance(dir);
 }
 
-void issue_keys(const fs::path& dir, const Identity& identity, const fs::path& out) {
+void issue_keys(const fs::path& dir, const Identity& identity, const TopicRights& topics, const fs::path& out) {
   const Authority authority = open_authority(dir);
   const openssl::Key key(EVP_EC_gen("P-256"));
   check(key != nullptr, "making a key");
@@ -262,11 +260,11 @@ void issue_keys(const fs::path& dir, const Identity& identity, const fs::path& o
   make_folder(folder);
   write_file(folder / "key.pem", pem(key.get()), private_mode);
   write_file(folder / "cert.pem", pem(own), public_mode);
-  write_file(folder / "permissions.p7s", sign_document(dir, permissions_xml(identity, openssl::subject_text(own))),
-             public_mode);
+  write_file(folder / "permissions.p7s",
+             sign_document(dir, permissions_xml(identity, topics, openssl::subject_text(own))), public_mode);
   if (out == dir) return;
   for (const char* common : {"ca.cert.pem", "governance.p7s"})
     fs::copy_file(dir / common, out / common, fs::copy_options::overwrite_existing);
 }
 
-}  // namespace aloft::bus
+}  // namespace aloft::security

@@ -1,4 +1,4 @@
-#include "common/bus/keys.hpp"
+#include "common/security/keys.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -11,9 +11,9 @@
 
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
-#include "common/bus/openssl.hpp"
+#include "common/security/openssl.hpp"
 
-namespace aloft::bus {
+namespace aloft::security {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ KeyFiles check_keys(const fs::path& dir, Role role) {
   return files;
 }
 
-}  // namespace aloft::bus
+}  // namespace aloft::security

@@ -1,6 +1,6 @@
-#include "common/bus/openssl.hpp"
+#include "common/security/openssl.hpp"
 
-namespace aloft::bus::openssl {
+namespace aloft::security::openssl {
 
 Bio memory(const std::string& text) {
   return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
@@ -18,4 +18,4 @@ std::string subject_text(const X509* certificate) {
   return text_of(text.get());
 }
 
-}  // namespace aloft::bus::openssl
+}  // namespace aloft::security::openssl

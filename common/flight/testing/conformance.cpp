@@ -27,7 +27,7 @@ using agents::FlightInfo;
 using agents::HeightProfile;
 using agents::Observation;
 using agents::Privilege;
-using agents::QosKind;
+using radio::QosKind;
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
 #include "common/experiment/experiment.hpp"
-#include "common/experiment/text_file.hpp"
 
 using namespace aloft;
 using namespace aloft::experiment;
@@ -172,9 +172,9 @@ TEST_CASE("measured flights: unreadable or ill-formed files") {
   const auto csv = folder / "flight.csv";
   CHECK_THAT(message(measured(csv)), Contains("my.json: world.file: cannot read '" + csv.string() + "': No such file"));
   CHECK_THAT(message(measured(folder)), Contains("world.file") && Contains("is a folder"));
-  write_text_file(csv, "step,height_m,throughput_kbps\n1,20,100\n1,30,1oo\n");
+  write_file(csv, "step,height_m,throughput_kbps\n1,20,100\n1,30,1oo\n");
   CHECK_THAT(message(measured(csv)), Contains(csv.string() + ":3:6: ") && Contains("1oo"));
-  write_text_file(csv, "step,height,throughput_kbps\n1,20,100\n");
+  write_file(csv, "step,height,throughput_kbps\n1,20,100\n");
   CHECK_THAT(message(measured(csv)), Contains("height_m"));
   std::filesystem::remove_all(folder);
 }

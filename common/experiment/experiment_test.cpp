@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "common/base/write_file.hpp"
 #include "common/experiment/identity.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "tests/paths.hpp"
 
@@ -48,7 +48,7 @@ struct Flight {
     write("step,height_m,throughput_kbps\n1,20,100\n1,30,200\n2,20,300\n2,30,400\n");
   }
   ~Flight() { std::filesystem::remove_all(folder); }
-  void write(const std::string& text) const { write_text_file(csv, text); }
+  void write(const std::string& text) const { write_file(csv, text); }
   [[nodiscard]] std::string world() const {
     return R"("world": {"kind": "measured", "file": ")" + csv.string() + R"("})";
   }
@@ -163,7 +163,7 @@ TEST_CASE("a measured flight that changed under a resolved experiment is refused
   CHECK(parse(canonical, "wire").id == before.id);  // not read: a report needs no CSV
   CHECK_THROWS_WITH(make_signal_map(before, before.conditions[0], 0),
                     Contains("has changed") && Contains("flight.csv"));
-  write_text_file(flight.folder / "resolved.json", canonical);
+  write_file(flight.folder / "resolved.json", canonical);
   CHECK_THROWS_WITH(load(flight.folder / "resolved.json"), Contains("worlds[0].file") && Contains("SHA-256"));
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("paths in an experiment file count from its folder, those of overrides
     std::filesystem::copy_file(model, folder / "model.pb");
   }
   std::filesystem::copy_file(flight.csv, elsewhere / "mine.csv");
-  write_text_file(inside / "all.json", R"({"name": "x", "trials": 1,
+  write_file(inside / "all.json", R"({"name": "x", "trials": 1,
     "worlds": [{"kind": "measured", "file": ["../flight.csv"]}, {}],
     "agents": [{"type": "pretrained", "model": ["../models/model.pb", "model.pb"]},
                {"type": "relay", "name": "crew", "crew": [{"agent": "min-height"},
@@ -215,7 +215,7 @@ TEST_CASE("paths in an experiment file count from its folder, those of overrides
                     Contains("worlds[0].file") && Contains((elsewhere / "flight.csv").string()) &&
                         Contains("count from that file's folder"));
   // What stands in the file is never looked for anywhere else.
-  write_text_file(inside / "wrong.json", R"({"name": "x", "trials": 1, "agents": ["min-height"],
+  write_file(inside / "wrong.json", R"({"name": "x", "trials": 1, "agents": ["min-height"],
     "world": {"kind": "measured", "file": "mine.csv"}})");
   CHECK_THROWS_WITH(load("../experiments/wrong.json"), Contains((inside / "mine.csv").string()));
 }

@@ -6,11 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/read_file.hpp"
+#include "common/base/write_file.hpp"
 #include "common/experiment/experiment.hpp"
-#include "common/experiment/text_file.hpp"
 #include "tests/paths.hpp"
 
 using aloft::read_file;
+using aloft::write_file;
 using namespace aloft::experiment;
 using Json = nlohmann::json;
 
@@ -27,7 +28,7 @@ Json& agent_rules(Json& schema) {
 TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tables") {
   const auto file = repository / "data/schema/experiment.schema.json";
   Json made = experiment_schema();
-  if (std::getenv("ALOFT_WRITE_SCHEMA") != nullptr) write_text_file(file, made.dump(2) + "\n");
+  if (std::getenv("ALOFT_WRITE_SCHEMA") != nullptr) write_file(file, made.dump(2) + "\n");
   Json shipped = Json::parse(read_file(file));
   // An agent that somebody adds works without an entry of its own; an entry that is there has to be right.
   const Json rules = agent_rules(shipped);

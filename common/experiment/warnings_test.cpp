@@ -8,8 +8,8 @@
 
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
+#include "common/base/write_file.hpp"
 #include "common/experiment/identity.hpp"
-#include "common/experiment/text_file.hpp"
 #include "tests/paths.hpp"
 
 using namespace aloft;
@@ -71,13 +71,13 @@ TEST_CASE("measured flights: size, and costs that they cannot charge") {
   const Folder folder;
   const auto file = folder.path / "flight.csv";
   const std::string world = R"({"kind": "measured", "file": ")" + file.string() + "\"}";
-  write_text_file(file, flight_csv(130, 11));
+  write_file(file, flight_csv(130, 11));
   CHECK(warnings(over(world)).empty());
   const auto costs = warnings(over(world, R"("handover_cost": 1, )"));
   REQUIRE(costs.size() == 1);
   CHECK(costs[0].agent.empty());
   CHECK_THAT(costs[0].text, Contains("without serving_cell"));
-  write_text_file(file, flight_csv(12, 3));
+  write_file(file, flight_csv(12, 3));
   const auto small = warnings(over(world));
   REQUIRE(small.size() == 1);
   CHECK_THAT(small[0].text, Contains("heights 3 instead of 8 to 16, steps 12 instead of 120 to 200"));
@@ -100,11 +100,11 @@ TEST_CASE("a model file counts by its content, wherever it lies; a report does n
   const std::string canonical = other.canonical.dump();
   std::filesystem::remove(folder.path / "copy.pb");
   CHECK(parse(canonical, "wire").id == one.id);
-  write_text_file(folder.path / "resolved.json", canonical);
+  write_file(folder.path / "resolved.json", canonical);
   CHECK_THROWS_WITH(load(folder.path / "resolved.json"), Contains("copy.pb"));
 
   // Another content under the old SHA-256, a damaged file, and none.
-  write_text_file(folder.path / "copy.pb", read_file(shipped) + "x");
+  write_file(folder.path / "copy.pb", read_file(shipped) + "x");
   CHECK_THROWS_WITH(load(folder.path / "resolved.json"), Contains("SHA-256"));
   CHECK_THROWS_AS(with_model(folder.path / "copy.pb"), InputError);
   CHECK_THROWS_AS(with_model(folder.path / "none.pb"), InputError);

@@ -1,11 +1,9 @@
-#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <openssl/ec.h>
 #include <openssl/pem.h>
 #include <openssl/rand.h>
 #include <openssl/x509v3.h>
-#include <unistd.h>
 
 #include <array>
 #include <ctime>
@@ -14,6 +12,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
+#include "common/base/write_file.hpp"
 #include "common/security/keys.hpp"
 #include "common/security/openssl.hpp"
 
@@ -30,17 +29,6 @@ constexpr mode_t private_mode = 0600;
 /// For failures of OpenSSL that no input can cause.
 void check(bool good, const char* what) {
   if (!good) throw std::runtime_error(fmt::format("OpenSSL failed: {}", what));
-}
-
-void write_file(const fs::path& file, const std::string& text, mode_t mode) {
-  const fs::path draft = file.string() + ".new";
-  fs::remove(draft);
-  const int fd = open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-  const bool written = fd >= 0 && write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  const std::error_code error(errno, std::generic_category());
-  if (fd >= 0) close(fd);
-  if (!written) throw InputError(fmt::format("cannot write {}: {}", draft.string(), error.message()));
-  fs::rename(draft, file);
 }
 
 void make_folder(const fs::path& dir) {
@@ -264,7 +252,7 @@ void issue_keys(const fs::path& dir, const Identity& identity, const TopicRights
              sign_document(dir, permissions_xml(identity, topics, openssl::subject_text(own))), public_mode);
   if (out == dir) return;
   for (const char* common : {"ca.cert.pem", "governance.p7s"})
-    fs::copy_file(dir / common, out / common, fs::copy_options::overwrite_existing);
+    write_file(out / common, read_file(dir / common), public_mode);
 }
 
 }  // namespace aloft::security

@@ -10,9 +10,9 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/write_file.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/summary.hpp"
-#include "common/experiment/text_file.hpp"
 #include "common/store/database.hpp"
 
 namespace aloft::store {
@@ -281,7 +281,7 @@ ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, cons
     state->experiment = experiment;
     with_errors_of(state->file, [&] { state->begin_writing(); });
     if (!std::filesystem::exists(dir / "experiment.json"))
-      experiment::write_text_file(dir / "experiment.json", resolved_file(experiment));
+      write_file(dir / "experiment.json", resolved_file(experiment));
     state->begin_watch();
   } catch (const std::exception&) {
     state.reset();
@@ -512,8 +512,8 @@ nlohmann::ordered_json summarise(const ResultStore& results) {
 
 void write_summary(const std::filesystem::path& dir) {
   const nlohmann::ordered_json summary = summarise(ResultStore::open_for_reading(dir));
-  experiment::write_text_file(dir / "summary.json", summary.dump(2) + "\n");
-  experiment::write_text_file(dir / "summary.csv", experiment::summary_csv(summary));
+  write_file(dir / "summary.json", summary.dump(2) + "\n");
+  write_file(dir / "summary.csv", experiment::summary_csv(summary));
 }
 
 }  // namespace aloft::store

@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "common/base/read_file.hpp"
-#include "common/experiment/text_file.hpp"
+#include "common/base/write_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
 #include "common/learn/network.hpp"
@@ -155,5 +155,5 @@ TEST_CASE("every golden file belongs to an agent") {
 TEST_CASE("write the golden flights anew", "[.regenerate]") {
   const experiment::Experiment experiment = golden_experiment();
   for (const agents::AgentSpec& spec : experiment.agents)
-    experiment::write_text_file(golden_file(spec.name), golden_text(experiment, spec));
+    write_file(golden_file(spec.name), golden_text(experiment, spec));
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/base/error.hpp"
-#include "common/experiment/text_file.hpp"
+#include "common/base/write_file.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/importer/measurement_grid.hpp"
@@ -52,7 +52,7 @@ int import_rdata(const ImportOptions& options) {
   check_target(options);
   const importer::MeasurementGrid grid =
       importer::rebuild_grid(importer::read_r_workspace(options.file), options.grid, options.file.string());
-  experiment::write_text_file(options.out, importer::to_csv(grid));
+  write_file(options.out, importer::to_csv(grid));
   print_outcome(options, grid);
   return exit_ok;
 }

@@ -7,7 +7,7 @@
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
 #include "common/base/terminal.hpp"
-#include "common/experiment/text_file.hpp"
+#include "common/base/write_file.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
 #include "services/runtime/flag_checks.hpp"
@@ -116,7 +116,7 @@ void save_picture(const TournamentOptions& options, const std::string& experimen
   if (!std::filesystem::exists(chart))
     throw InputError(
         fmt::format("--picture: '{}' has fewer than two generated conditions, so there is no such chart", experiment));
-  experiment::write_text_file(options.picture, read_file(chart));
+  write_file(options.picture, read_file(chart));
 }
 
 int tournament(const TournamentOptions& options) {
@@ -137,8 +137,7 @@ int tournament(const TournamentOptions& options) {
       "km², bit/s/Hz; measured flights in Mbit/s. ± is half a 95 % interval; there is none where all trials gave "
       "the same, or with one trial. {}.",
       all.front().trials, all.front().seed, agents::marks_explained());
-  experiment::write_text_file(
-      tables, fmt::format("{}\n\n{}\n{}", legend, overview.markdown(), report::tournament_details(conditions)));
+  write_file(tables, fmt::format("{}\n\n{}\n{}", legend, overview.markdown(), report::tournament_details(conditions)));
   report::ReportOptions report;
   if (!options.picture.empty()) report.svg = options.out / "charts";
   const report::WrittenReport written = report::write_report(options.out, report);

@@ -11,7 +11,7 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
-#include "common/experiment/text_file.hpp"
+#include "common/base/write_file.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/interrupt.hpp"
@@ -58,7 +58,7 @@ class Desk {
     std::string text;
     for (const auto& of_side : lines_)
       for (const std::string& line : of_side) text += line + '\n';
-    experiment::write_text_file(log_, text);
+    write_file(log_, text);
   }
 
   void finished(std::size_t side) {
@@ -100,7 +100,7 @@ std::vector<float> train_side(const TrainOptions& options, std::size_t side, con
   }
   while (!trainer.finished()) {
     trainer.train_round();
-    experiment::write_text_file(checkpoint, trainer.save_state());
+    write_file(checkpoint, trainer.save_state());
     desk.validated(side, trainer.validation_log());
   }
   desk.finished(side);
@@ -131,9 +131,9 @@ int train_pretrained(const TrainOptions& options) {
   StatusLine::of_process().finish();
   model.training_config = config.canonical().dump();
   const std::string bytes = model.to_bytes();
-  experiment::write_text_file(options.out, bytes);
-  experiment::write_text_file(options.out.string() + ".sha256",
-                              fmt::format("{}  {}\n", sha256_hex(bytes), options.out.filename().string()));
+  write_file(options.out, bytes);
+  write_file(options.out.string() + ".sha256",
+             fmt::format("{}  {}\n", sha256_hex(bytes), options.out.filename().string()));
   for (const radio::QosKind kind : kinds) std::filesystem::remove(checkpoint_of(options, kind));
   fmt::print("{}: {} bytes, SHA-256 {}\n", options.out.string(), bytes.size(), sha256_hex(bytes));
   return exit_ok;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/write_file.hpp"
 #include "tools/report/embedded.hpp"
 #include "tools/report/node.hpp"
 
@@ -37,15 +37,10 @@ std::vector<fs::path> result_folders(const fs::path& dir) {
   return folders;
 }
 
-void write_file(const fs::path& file, const std::string& text) {
-  const fs::path temporary = file.string() + ".part";
-  std::ofstream out(temporary, std::ios::binary);
-  out << text;
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(temporary, file, error);
-  if (!out || error) {
-    fs::remove(temporary, error);
+void write_page(const fs::path& file, const std::string& text) {
+  try {
+    write_file(file, text);
+  } catch (const InputError&) {
     throw InputError(fmt::format(
         "{}: cannot be written; check that the folder exists, is writable and has room, or use --out", file.string()));
   }
@@ -69,7 +64,7 @@ WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions
   for (const fs::path& folder : folders) runs.push_back(store::ResultStore::open_for_reading(folder));
   const nlohmann::json data = report_data(runs, options.choice);
   WrittenReport written{options.page.empty() ? dir / "report.html" : options.page, data["missing"].size(), 0};
-  write_file(written.page, render_page(data));
+  write_page(written.page, render_page(data));
   if (!options.svg.empty()) written.charts = render_svgs(written.page, options.svg);
   return written;
 }

@@ -1,0 +1,66 @@
+#include "common/base/write_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include "common/base/error.hpp"
+
+namespace aloft {
+namespace {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& file, int flags, mode_t mode = 0)
+      : fd_(::open(file.c_str(), flags | O_CLOEXEC, mode)) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const noexcept { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// These three leave the reason of a failure in errno.
+bool write_all(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t count = ::write(fd, content.data(), content.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    content.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+bool write_draft(const std::filesystem::path& draft, std::string_view content, mode_t mode) {
+  ::unlink(draft.c_str());  // what a killed process left may be a link, or have other permissions
+  const Descriptor descriptor(draft, O_WRONLY | O_CREAT | O_EXCL, mode);
+  return descriptor.get() >= 0 && write_all(descriptor.get(), content) && ::fsync(descriptor.get()) == 0;
+}
+
+bool sync_folder_of(const std::filesystem::path& file) {
+  const Descriptor folder(file.has_parent_path() ? file.parent_path() : ".", O_RDONLY | O_DIRECTORY);
+  if (folder.get() < 0) return true;                     // one may write into a folder that one may not read
+  return ::fsync(folder.get()) == 0 || errno == EINVAL;  // not all file systems can
+}
+
+}  // namespace
+
+void write_file(const std::filesystem::path& file, std::string_view content, mode_t mode) {
+  const std::filesystem::path draft = file.string() + ".part";
+  if (write_draft(draft, content, mode) && std::rename(draft.c_str(), file.c_str()) == 0 && sync_folder_of(file))
+    return;
+  const int reason = errno;
+  ::unlink(draft.c_str());
+  throw InputError(fmt::format("cannot write '{}': {}", file.string(), std::generic_category().message(reason)));
+}
+
+}  // namespace aloft

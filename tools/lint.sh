@@ -16,7 +16,7 @@ cmake --preset release -B "$lint" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BAT
 cmake --build "$lint" --target aloft_wire aloft_proto aloft_build_info >/dev/null  # generated sources
 mkdir -p "$lint/passed"
 export lint headers
-headers=$(cat .clang-tidy $(git ls-files '*.hpp' '*.h') | sha256sum)
+headers=$(cat .clang-tidy $(git ls-files '*.hpp' '*.h' '*.def') | sha256sum)
 check() {
   local sources stamp
   sources=$(sed -n 's/^#include "\(\/.*\)"$/\1/p' "$1")  # of a unity file; else it is a source itself

@@ -63,13 +63,12 @@ void apply(const TopicSettings& settings, Qos& qos) {
 
 template <class T>
 struct TypeSupportOf;
-#define ALOFT_BUS_TYPE(T)             \
-  template <>                         \
-  struct TypeSupportOf<wire::T> {     \
-    using Type = wire::T##PubSubType; \
+#define ALOFT_TOPIC(type, ...)           \
+  template <>                            \
+  struct TypeSupportOf<wire::type> {     \
+    using Type = wire::type##PubSubType; \
   };
-ALOFT_BUS_TOPICS(ALOFT_BUS_TYPE)
-#undef ALOFT_BUS_TYPE
+#include "common/bus/topics.def"
 
 template <class T>
 constexpr bool belongs_to_experiment = requires(const T& sample) { sample.experiment_id(); };
@@ -258,10 +257,9 @@ T& Reader<T>::scratch() {
   return state_->scratch;
 }
 
-#define ALOFT_BUS_ENDPOINTS(T)    \
-  template class Writer<wire::T>; \
-  template class Reader<wire::T>;
-ALOFT_BUS_TOPICS(ALOFT_BUS_ENDPOINTS)
-#undef ALOFT_BUS_ENDPOINTS
+#define ALOFT_TOPIC(type, ...)       \
+  template class Writer<wire::type>; \
+  template class Reader<wire::type>;
+#include "common/bus/topics.def"
 
 }  // namespace aloft::bus

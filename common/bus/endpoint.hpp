@@ -16,7 +16,7 @@ struct WriterOptions {
   std::uint32_t strength = 1;  ///< on topics with exclusive ownership: the strongest live writer is heard
 };
 
-/// Publishes one topic. T is a type of idl/; its topic, partition and quality of service come from topics.cpp.
+/// Publishes one topic. T is a type of idl/; its topic, partition and quality of service come from topics.def.
 ///
 ///     bus::Participant participant({.run = "demo", .worker = "w0", .process = "example"});
 ///     bus::Writer<wire::HeightCommand> commands(participant);

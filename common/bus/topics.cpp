@@ -5,9 +5,6 @@
 namespace aloft::bus {
 namespace {
 
-constexpr int max_streams = limits::streams;
-constexpr int all_steps = limits::steps;
-constexpr int max_workers = limits::workers;
 // Of a stranger's RunControl beside the coordinator's, for which a process that starts late waits.
 constexpr int strangers_samples = 15;
 
@@ -23,33 +20,20 @@ constexpr Roles everyone = coordinator | metrics | environment | channel | agent
 
 }  // namespace
 
-// clang-format off
-//                                                                                                                     name               writers       readers                                                        scope              tr.loc depth  keys         exclusive
-template <> const TopicSettings& topic_settings<wire::RunControl>() noexcept      { static constexpr TopicSettings row{"RunControl",      coordinator,  everyone,                                                      Scope::run,        true,  1,     1,           false, strangers_samples}; return row; }
-template <> const TopicSettings& topic_settings<wire::TrialAssignment>() noexcept { static constexpr TopicSettings row{"TrialAssignment", coordinator,  environment,                                                   Scope::run,        true,  64,    max_workers, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::WorkerStatus>() noexcept    { static constexpr TopicSettings row{"WorkerStatus",    channel,      coordinator | metrics | environment | observer | run_operator, Scope::run,        true,  1,     max_workers, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::RunStatus>() noexcept       { static constexpr TopicSettings row{"RunStatus",       coordinator,  metrics | observer,                                            Scope::run,        true,  1,     1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::EpisodeRecord>() noexcept   { static constexpr TopicSettings row{"EpisodeRecord",   channel,      metrics,                                                       Scope::run,        false, 512,   1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::EpisodeStored>() noexcept   { static constexpr TopicSettings row{"EpisodeStored",   metrics,      coordinator | channel,                                         Scope::run,        false, 4096,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::RecordRefused>() noexcept   { static constexpr TopicSettings row{"RecordRefused",   metrics,      channel,                                                       Scope::run,        false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::MemoryRequest>() noexcept   { static constexpr TopicSettings row{"MemoryRequest",   agents,       metrics,                                                       Scope::run,        false, 1024,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::StoredMemory>() noexcept    { static constexpr TopicSettings row{"StoredMemory",    metrics,      agents,                                                        Scope::run,        false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::CollectorStatus>() noexcept { static constexpr TopicSettings row{"CollectorStatus", metrics,      coordinator | observer,                                        Scope::run,        true,  4,     1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::SwapRequest>() noexcept     { static constexpr TopicSettings row{"SwapRequest",     run_operator, channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::SwapReply>() noexcept       { static constexpr TopicSettings row{"SwapReply",       channel,      run_operator,                                                  Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::World>() noexcept           { static constexpr TopicSettings row{"World",           environment,  channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::ChannelReport>() noexcept   { static constexpr TopicSettings row{"ChannelReport",   channel,      agents,                                                        Scope::worker,     false, 8,     max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightCommand>() noexcept   { static constexpr TopicSettings row{"HeightCommand",   agents,       channel,                                                       Scope::worker,     false, 8,     max_streams, true}; return row; }
-template <> const TopicSettings& topic_settings<wire::ReportFollowed>() noexcept  { static constexpr TopicSettings row{"ReportFollowed",  agents,       channel,                                                       Scope::worker,     false, 1024,  1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::AgentStatus>() noexcept     { static constexpr TopicSettings row{"AgentStatus",     agents,       channel,                                                       Scope::worker,     true,  1,     max_streams, false}; return row; }
-template <> const TopicSettings& topic_settings<wire::FlightMemory>() noexcept    { static constexpr TopicSettings row{"FlightMemory",    agents,       channel,                                                       Scope::worker,     false, 64,    1,           false}; return row; }
-template <> const TopicSettings& topic_settings<wire::HeightProfile>() noexcept   { static constexpr TopicSettings row{"HeightProfile",   channel,      baseline_agent,                                                Scope::privileged, false, all_steps, max_streams, false}; return row; }
-// clang-format on
+#define ALOFT_BARE(...) __VA_ARGS__
+#define ALOFT_TOPIC(type, settings, ...)                                    \
+  template <>                                                               \
+  const TopicSettings& topic_settings<wire::type>() noexcept {              \
+    static constexpr TopicSettings row{.name = #type, ALOFT_BARE settings}; \
+    return row;                                                             \
+  }
+#include "common/bus/topics.def"
 
 std::vector<const TopicSettings*> all_topics() {
-#define ALOFT_BUS_ROW(T) &topic_settings<wire::T>(),
-  return {ALOFT_BUS_TOPICS(ALOFT_BUS_ROW)};
-#undef ALOFT_BUS_ROW
+  return {
+#define ALOFT_TOPIC(type, ...) &topic_settings<wire::type>(),
+#include "common/bus/topics.def"
+  };
 }
 
 security::TopicRights topic_rights(Role role) {

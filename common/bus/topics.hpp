@@ -15,8 +15,8 @@ using security::Roles;
 /// Who hears a topic: the whole run, one worker, or those in one worker that may see the future.
 enum class Scope { run, worker, privileged };
 
-/// One row of the table of topics: every decision about a topic's quality of service. All topics are reliable and
-/// published synchronously.
+/// What a row of the table of topics (topics.def) says beside the limits of a sample: every decision about a topic's
+/// quality of service. All topics are reliable and published synchronously.
 struct TopicSettings {
   std::string_view name;
   Roles writers;  ///< in a secured run
@@ -29,35 +29,13 @@ struct TopicSettings {
   int spare = 0;                 ///< samples per key that readers keep beyond `depth`: one writer displaces no other's
 };
 
-/// The row of a wire type.
+/// The settings of a wire type's topic.
 template <class T>
 [[nodiscard]] const TopicSettings& topic_settings() noexcept;
 
-/// All rows.
+/// Those of all topics, in the order of topics.def.
 [[nodiscard]] std::vector<const TopicSettings*> all_topics();
 /// What `role` may write and read in a secured run.
 [[nodiscard]] security::TopicRights topic_rights(Role role);
-
-/// Every wire type that has a topic: a new one has its row in topics.cpp and its name here.
-#define ALOFT_BUS_TOPICS(X) \
-  X(RunControl)             \
-  X(TrialAssignment)        \
-  X(WorkerStatus)           \
-  X(RunStatus)              \
-  X(EpisodeRecord)          \
-  X(EpisodeStored)          \
-  X(RecordRefused)          \
-  X(FlightMemory)           \
-  X(MemoryRequest)          \
-  X(StoredMemory)           \
-  X(CollectorStatus)        \
-  X(World)                  \
-  X(ChannelReport)          \
-  X(HeightCommand)          \
-  X(ReportFollowed)         \
-  X(SwapRequest)            \
-  X(SwapReply)              \
-  X(AgentStatus)            \
-  X(HeightProfile)
 
 }  // namespace aloft::bus

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <span>
+#include <vector>
 
 #include "common/base/limits.hpp"
 #include "common/base/process_name.hpp"
-#include "common/bus/topics.hpp"
 
 namespace aloft::bus {
 namespace {
@@ -27,15 +28,30 @@ bool quality(double value) noexcept {
   return within(value, -limits::quality, limits::quality);
 }
 
+/// A time, a rate: finite and not negative.
+bool amount(double value) noexcept {
+  return within(value, 0.0, 1e12);
+}
+bool finite(double value) noexcept {
+  return std::isfinite(value);
+}
+
 bool all(std::span<const double> values, bool (*good)(double) noexcept) noexcept {
   return std::all_of(values.begin(), values.end(), good);
 }
 
 template <class Enum>
-bool up_to(Enum value, Enum last) noexcept {
+bool known(Enum value, Enum last) noexcept {
   return static_cast<std::uint32_t>(value) <= static_cast<std::uint32_t>(last);
 }
 
+template <class Text>
+bool given(const Text& text) noexcept {
+  return !wire::view(text).empty();
+}
+bool sha256(const wire::Name& digest) noexcept {
+  return wire::view(digest).size() == 64;
+}
 bool dated(const wire::ProcessName& process) noexcept {
   return process.since_s() <= latest_since_s;
 }
@@ -73,171 +89,34 @@ const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
   return nullptr;
 }
 
-bool stream(std::uint32_t value) noexcept {
-  return value < static_cast<std::uint32_t>(topic_settings<wire::ChannelReport>().keys);
+const char* news_error(const std::vector<wire::AgentNews>& agents) noexcept {
+  for (const wire::AgentNews& agent : agents) {
+    if (!known(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
+    if (!amount(agent.silent_s())) return "silent_s of an agent out of range";
+  }
+  return nullptr;
 }
 
-const char* memory_error(const std::vector<std::uint8_t>& memory) noexcept {
-  if (memory.empty()) return "memory is empty";
-  return memory.size() > limits::memory_bytes ? "memory too long" : nullptr;
-}
+/// One thing that must hold for a sample.
+struct Limit {
+  const char* error;  // null: it does
 
-const char* limits_error(const wire::ChannelReport& report) noexcept {
-  if (!up_to(report.qos_kind(), wire::QOS_THROUGHPUT)) return "unknown qos_kind";
-  if (!height(report.height_min_m())) return "height_min_m out of range";
-  if (!within(report.height_max_m(), report.height_min_m(), limits::height_m)) return "height_max_m out of range";
-  if (!within(report.height_step_m(), limits::height_step_min_m, limits::height_m)) return "height_step_m out of range";
-  if (report.steps() < 1 || report.steps() > limits::steps) return "steps out of range";
+  Limit(bool holds, const char* otherwise) noexcept : error(holds ? nullptr : otherwise) {}
+  Limit(const char* wrong) noexcept : error(wrong) {}  // NOLINT: as it is called in topics.def
+};
+
+const char* first_error(std::initializer_list<Limit> wanted) noexcept {
+  for (const Limit& limit : wanted)
+    if (limit.error != nullptr) return limit.error;
   return nullptr;
 }
 
 }  // namespace
 
-const char* validate(const wire::RunControl& sample) noexcept {
-  if (!up_to(sample.state(), wire::RUN_FAILED)) return "unknown state";
-  if (!dated(sample.coordinator())) return "coordinator.since_s out of range";
-  if (!dated(sample.collector())) return "collector.since_s out of range";
-  if (sample.refused().size() > limits::refused_collectors) return "refused too long";
-  if (sample.experiment_json().size() > limits::experiment_bytes) return "experiment_json too long";
-  return nullptr;
-}
-
-const char* validate(const wire::TrialAssignment& sample) noexcept {
-  if (wire::view(sample.worker()).empty()) return "worker is empty";
-  if (sample.agents().size() > limits::agents) return "agents too long";
-  if (sample.agents().empty() != sample.cancelled()) return "agents must be empty if cancelled, and only then";
-  return nullptr;
-}
-
-const char* validate(const wire::WorkerStatus& sample) noexcept {
-  if (wire::view(sample.worker()).empty()) return "worker is empty";
-  if (sample.capacity() > limits::leases) return "capacity out of range";
-  if (sample.leases().size() > limits::leases) return "leases too long";
-  if (sample.failures().size() > limits::failures_told) return "failures too long";
-  if (sample.agents().size() > limits::agents_told) return "agents too long";
-  if (sample.flies_only().size() > limits::agents) return "flies_only too long";
-  if (!within(sample.answer_s(), 0.0, 1e12)) return "answer_s out of range";
-  for (const wire::AgentNews& agent : sample.agents()) {
-    if (!up_to(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
-    if (!within(agent.silent_s(), 0.0, 1e12)) return "silent_s of an agent out of range";
+#define ALOFT_TOPIC(type, settings, ...)               \
+  const char* validate(const wire::type& s) noexcept { \
+    return first_error({__VA_ARGS__});                 \
   }
-  return nullptr;
-}
-
-const char* validate(const wire::RunStatus& sample) noexcept {
-  if (!up_to(sample.state(), wire::RUN_FAILED)) return "unknown state";
-  if (!within(sample.flights_per_s(), 0.0, 1e12)) return "flights_per_s out of range";
-  if (!within(sample.steps_per_s(), 0.0, 1e12)) return "steps_per_s out of range";
-  return nullptr;
-}
-
-const char* validate(const wire::EpisodeRecord& sample) noexcept {
-  if (wire::view(sample.agent()).empty()) return "agent is empty";
-  if (sample.trace().empty()) return "trace is empty";
-  if (sample.trace().size() > limits::trace_bytes) return "trace too long";
-  if (sample.agent_memory().size() > limits::memory_bytes) return "agent_memory too long";
-  return nullptr;
-}
-
-const char* validate(const wire::RecordRefused& sample) noexcept {
-  return wire::view(sample.digest()).size() == 64 ? nullptr : "digest is no SHA-256";
-}
-
-const char* validate(const wire::FlightMemory& sample) noexcept {
-  if (!stream(sample.stream())) return "stream out of range";
-  return memory_error(sample.memory());
-}
-
-const char* validate(const wire::MemoryRequest& sample) noexcept {
-  return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
-}
-
-const char* validate(const wire::StoredMemory& sample) noexcept {
-  if (wire::view(sample.agent()).empty()) return "agent is empty";
-  return memory_error(sample.memory());
-}
-
-const char* validate(const wire::EpisodeStored& sample) noexcept {
-  return wire::view(sample.digest()).size() == 64 ? nullptr : "digest is no SHA-256";
-}
-
-const char* validate(const wire::CollectorStatus& sample) noexcept {
-  if (sample.collector().incarnation() == 0) return "collector is nobody";
-  if (!dated(sample.collector())) return "collector.since_s out of range";
-  return up_to(sample.state(), wire::COLLECTOR_FAILED) ? nullptr : "unknown state";
-}
-
-const char* validate(const wire::World& sample) noexcept {
-  if (sample.agents().size() > limits::agents) return "agents too long";
-  switch (sample.kind()) {
-    case wire::WORLD_CITY:
-      return city_error(sample.city());
-    case wire::WORLD_MEASURED:
-      return measured_error(sample.measured());
-    case wire::WORLD_CANCELLED:
-    case wire::WORLD_FAILED:
-      return nullptr;
-  }
-  return "unknown kind";
-}
-
-const char* validate(const wire::ChannelReport& sample) noexcept {
-  if (!stream(sample.stream())) return "stream out of range";
-  if (const char* error = limits_error(sample)) return error;
-  if (sample.step() > sample.steps()) return "step out of range";
-  if (!distance(sample.x_m()) || !distance(sample.y_m())) return "position out of range";
-  if (!height(sample.height_m())) return "height_m out of range";
-  if (!level(sample.serving_sinr_db())) return "serving_sinr_db out of range";
-  if (sample.neighbour_sinr_db().size() > limits::neighbours) return "neighbour_sinr_db too long";
-  if (!all(sample.neighbour_sinr_db(), level)) return "neighbour_sinr_db out of range";
-  if (!quality(sample.qos())) return "qos out of range";
-  if (!within(sample.reward(), -limits::reward, limits::reward)) return "reward out of range";
-  if (!up_to(sample.executed(), wire::ACTION_ABSOLUTE)) return "unknown executed action";
-  return nullptr;
-}
-
-const char* validate(const wire::HeightCommand& sample) noexcept {
-  if (!stream(sample.stream())) return "stream out of range";
-  if (sample.step() < 1 || sample.step() > limits::steps) return "step out of range";
-  if (sample.action() == wire::ACTION_NONE || !up_to(sample.action(), wire::ACTION_UNKNOWN_FLIGHT))
-    return "unknown action";
-  if (!height(sample.height_m())) return "height_m out of range";
-  if (!within(sample.epsilon(), 0.0, 1.0)) return "epsilon out of range";
-  if (!std::isfinite(sample.loss())) return "loss is not finite";
-  if (!all(sample.q_values(), [](double value) noexcept { return std::isfinite(value); })) return "q_values not finite";
-  return nullptr;
-}
-
-const char* validate(const wire::ReportFollowed& sample) noexcept {
-  if (!stream(sample.stream())) return "stream out of range";
-  if (sample.step() > limits::steps) return "step out of range";
-  return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
-}
-
-const char* validate(const wire::SwapRequest& sample) noexcept {
-  if (sample.from_step() > limits::steps) return "from_step out of range";
-  return wire::view(sample.agent()).empty() ? "agent is empty" : nullptr;
-}
-
-const char* validate(const wire::SwapReply& sample) noexcept {
-  return sample.accepted() == wire::view(sample.message()).empty() ? nullptr : "a message says why not, and only then";
-}
-
-const char* validate(const wire::AgentStatus& sample) noexcept {
-  if (!up_to(sample.privilege(), wire::PRIVILEGE_WHOLE_ROUTE)) return "unknown privilege";
-  if (!up_to(sample.state(), wire::AGENT_STOPPED)) return "unknown state";
-  if (wire::view(sample.agent()).empty()) return "agent is empty";
-  return nullptr;
-}
-
-const char* validate(const wire::HeightProfile& sample) noexcept {
-  if (!stream(sample.stream())) return "stream out of range";
-  if (sample.step() < 1 || sample.step() > limits::steps) return "step out of range";
-  if (!height(sample.height_min_m())) return "height_min_m out of range";
-  if (!within(sample.resolution_m(), limits::height_step_min_m, limits::height_m)) return "resolution_m out of range";
-  if (sample.qos().empty() || sample.qos().size() > limits::heights) return "qos has a wrong length";
-  if (!all(sample.qos(), quality)) return "qos out of range";
-  return nullptr;
-}
+#include "common/bus/topics.def"
 
 }  // namespace aloft::bus

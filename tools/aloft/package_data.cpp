@@ -7,7 +7,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
-#include "tools/aloft/processes.hpp"
+#include "tools/aloft/supervise/processes.hpp"
 
 namespace aloft::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "common/base/nearest.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
-#include "tools/aloft/local_experiment.hpp"
+#include "tools/aloft/supervise/local_experiment.hpp"
 #include "tools/aloft/table_options.hpp"
 #include "tools/report/report.hpp"
 

@@ -7,7 +7,7 @@
 #include "common/base/terminal.hpp"
 #include "common/base/text_layout.hpp"
 #include "tools/aloft/commands.hpp"
-#include "tools/aloft/local_experiment.hpp"
+#include "tools/aloft/supervise/local_experiment.hpp"
 #include "tools/aloft/table_options.hpp"
 
 namespace aloft::cli {

@@ -11,7 +11,7 @@
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
-#include "tools/aloft/processes.hpp"
+#include "tools/aloft/supervise/processes.hpp"
 
 namespace aloft::cli {
 namespace {

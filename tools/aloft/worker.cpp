@@ -23,7 +23,7 @@
 #include "services/runtime/run_follower.hpp"
 #include "services/runtime/standstill_watch.hpp"
 #include "tools/aloft/commands.hpp"
-#include "tools/aloft/processes.hpp"
+#include "tools/aloft/supervise/processes.hpp"
 
 namespace aloft::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/aloft/local_experiment.hpp"
+#include "tools/aloft/supervise/local_experiment.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/in_process.hpp"
 #include "tools/aloft/interrupt.hpp"
-#include "tools/aloft/local_run.hpp"
+#include "tools/aloft/supervise/local_run.hpp"
 
 namespace aloft::cli {
 namespace {

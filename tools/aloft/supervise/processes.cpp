@@ -1,4 +1,4 @@
-#include "tools/aloft/processes.hpp"
+#include "tools/aloft/supervise/processes.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "tools/aloft/local_run.hpp"
+#include "tools/aloft/supervise/local_run.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 #include "common/bus/waiter.hpp"
 #include "common/store/result_folder.hpp"
 #include "services/runtime/sole_coordinator.hpp"
-#include "tools/aloft/processes.hpp"
+#include "tools/aloft/supervise/processes.hpp"
 
 namespace aloft::cli {
 namespace {

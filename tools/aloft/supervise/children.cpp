@@ -1,4 +1,4 @@
-#include "tools/aloft/children.hpp"
+#include "tools/aloft/supervise/children.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -11,7 +11,7 @@
 
 #include "common/base/cores.hpp"
 #include "common/bus/participant.hpp"
-#include "tools/aloft/children.hpp"
+#include "tools/aloft/supervise/children.hpp"
 
 namespace aloft::cli {
 

@@ -102,13 +102,11 @@ class Flight {
 void foresee(const Flight& flight, agents::Privilege privilege, agents::HeightProfile& buffer,
              const std::function<void(const agents::HeightProfile&)>& deliver);
 
+/// Executes what `pilot` commands. std::logic_error if it may not jump to a height, but does.
+void execute(Flight& flight, const agents::Command& command, const agents::AgentSpec& pilot);
+
 /// Flies `agent` to the end: the direct call that --in-process uses, and the meaning of the protocol on the bus.
 [[nodiscard]] FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,
                                const agents::AgentSpec& spec, const Costs& costs = {});
-
-/// Flies a relay as its crew's entries say: every member that is aboard sees every report and commands every step, and
-/// the command of the pilot is executed.
-[[nodiscard]] FlightRecord fly_relay(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial,
-                                     const agents::AgentSpec& relay, const Costs& costs = {});
 
 }  // namespace aloft::flight

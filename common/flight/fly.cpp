@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
-#include <memory>
 #include <stdexcept>
-#include <vector>
 
-#include "common/agents/relay.hpp"
 #include "common/base/error.hpp"
 #include "common/flight/flight.hpp"
 
@@ -28,15 +25,11 @@ void foresee(const Flight& flight, Privilege privilege, agents::HeightProfile& b
   }
 }
 
-namespace {
-
 void execute(Flight& flight, const agents::Command& command, const agents::AgentSpec& pilot) {
   if (command.action == agents::Action::absolute && !agents::agent_type(pilot.type).unconstrained)
     throw std::logic_error(fmt::format("agent '{}' may not jump to a height", pilot.name));
   flight.step(command, pilot.name);
 }
-
-}  // namespace
 
 FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,
                  const agents::AgentSpec& spec, const Costs& costs) {
@@ -50,30 +43,6 @@ FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial,
     agent.observe(flight.observation());
     if (flight.finished()) return std::move(flight).record();
     execute(flight, agent.act(), spec);
-  }
-}
-
-FlightRecord fly_relay(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, const agents::AgentSpec& relay,
-                       const Costs& costs) {
-  Flight flight(map, seed, trial, costs);
-  std::vector<std::unique_ptr<agents::Agent>> aboard(relay.crew.size());
-  std::vector<agents::Command> commands(relay.crew.size());
-  while (true) {
-    const agents::Observation& report = flight.observation();
-    for (std::size_t i = 0; i < relay.crew.size(); ++i) {
-      const agents::CrewMember& member = relay.crew[i];
-      if (member.from_step == 0) continue;  // nobody dies here, so nobody takes over
-      if (member.boards_at() == report.step) {
-        aboard[i] = member.agent.make();
-        aboard[i]->begin(flight.info());
-      }
-      if (!aboard[i]) continue;
-      aboard[i]->observe(report);
-      if (!flight.finished()) commands[i] = aboard[i]->act();
-    }
-    if (flight.finished()) return std::move(flight).record();
-    const std::size_t pilot = agents::written_pilot(relay.crew, report.step + 1);
-    execute(flight, commands[pilot], relay.crew[pilot].agent);
   }
 }
 

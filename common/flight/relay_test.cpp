@@ -1,8 +1,9 @@
 // Several agents in one flight.
+#include "common/flight/relay.hpp"
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "common/flight/flight.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 
 namespace aloft::flight {

@@ -15,9 +15,9 @@
 #include "common/bus/waiter.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/experiment/warnings.hpp"
-#include "services/agent_host/crew_seat.hpp"
 #include "services/agent_host/liveliness_timer.hpp"
 #include "services/agent_host/pilot.hpp"
+#include "services/agent_host/relay_seat.hpp"
 #include "services/agent_host/thread_pool.hpp"
 #include "services/runtime/run_follower.hpp"
 
@@ -48,7 +48,7 @@ struct Role {
 /// One agent at one stream.
 struct Seat {
   const agents::AgentSpec* entry;
-  std::unique_ptr<CrewSeat> crew;  ///< null: it flies alone
+  std::unique_ptr<RelaySeat> crew;  ///< null: it flies alone
   Pilot pilot;
 };
 
@@ -184,7 +184,7 @@ struct AgentHost::State {
   std::unique_ptr<Seat> seat(const Role& role, std::uint32_t stream) {
     if (role.member == nullptr) return std::make_unique<Seat>(Seat{role.entry, nullptr, Pilot(*role.agent, stream)});
     const bool stands_by = experiment->on_agent_loss == experiment::OnAgentLoss::failover;
-    auto crew = std::make_unique<CrewSeat>(participant, liveliness, *role.entry, *role.member, stands_by);
+    auto crew = std::make_unique<RelaySeat>(participant, liveliness, *role.entry, *role.member, stands_by);
     const Boarding boarding = crew->boarding();
     return std::make_unique<Seat>(Seat{role.entry, std::move(crew), Pilot(*role.agent, stream, boarding)});
   }
@@ -223,7 +223,7 @@ struct AgentHost::State {
   }
 
   /// As one of a crew.
-  void answer(CrewSeat& crew, wire::HeightCommand& command) {
+  void answer(RelaySeat& crew, wire::HeightCommand& command) {
     const bool unknown = command.action() == wire::ACTION_UNKNOWN_FLIGHT;
     if (crew.asked() || (crew.commands() && !unknown)) crew.command(command);
     if (crew.asked()) return;

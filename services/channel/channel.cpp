@@ -23,7 +23,7 @@
 #include "services/channel/episode.hpp"
 #include "services/channel/map_builder.hpp"
 #include "services/channel/outbox.hpp"
-#include "services/channel/swap_desk.hpp"
+#include "services/channel/relay/swap_desk.hpp"
 #include "services/channel/trials.hpp"
 #include "services/runtime/run_follower.hpp"
 

@@ -11,7 +11,7 @@
 #include "common/agents/registry.hpp"
 #include "common/bus/wire.hpp"
 #include "common/flight/flight.hpp"
-#include "services/channel/crew.hpp"
+#include "services/channel/relay/crew.hpp"
 
 namespace aloft::channel {
 

@@ -14,7 +14,7 @@
 #include "common/base/read_file.hpp"
 #include "common/base/write_file.hpp"
 #include "common/experiment/trial_world.hpp"
-#include "common/flight/flight.hpp"
+#include "common/flight/relay.hpp"
 #include "common/learn/network.hpp"
 #include "tests/paths.hpp"
 #include "tests/skip.hpp"

@@ -12,6 +12,7 @@
 #include "common/base/error.hpp"
 #include "common/base/permutation.hpp"
 #include "common/experiment/trial_world.hpp"
+#include "common/flight/relay.hpp"
 
 namespace aloft::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include "common/bus/wire.hpp"
 #include "common/experiment/experiment.hpp"
 #include "services/channel/agent_directory.hpp"
-#include "services/channel/crew.hpp"
 #include "services/channel/episode.hpp"
+#include "services/channel/relay/crew.hpp"
 
 namespace aloft::channel {
 

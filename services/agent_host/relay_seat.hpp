@@ -13,15 +13,15 @@ namespace aloft::agent_host {
 /// What a crew member needs beyond a pilot: a writer of commands for its stream alone, whose strength says whether it
 /// flies there. The strongest live writer of a stream is heard: who is asked makes its own stronger than any before,
 /// the others stand by in the order of the crew.
-class CrewSeat {
+class RelaySeat {
  public:
   /// `stands_by`: answers also when another is asked and does not; the middleware lets that pass once the other's
   /// liveliness has run out.
-  CrewSeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
-           const agents::CrewMember& member, bool stands_by);
-  ~CrewSeat();
-  CrewSeat(const CrewSeat&) = delete;
-  CrewSeat& operator=(const CrewSeat&) = delete;
+  RelaySeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
+            const agents::CrewMember& member, bool stands_by);
+  ~RelaySeat();
+  RelaySeat(const RelaySeat&) = delete;
+  RelaySeat& operator=(const RelaySeat&) = delete;
 
   /// Which reports the member may begin a flight with.
   [[nodiscard]] Boarding boarding() const noexcept;

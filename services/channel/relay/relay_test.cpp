@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/flight/testing/synthetic_map.hpp"
-#include "services/channel/swap_desk.hpp"
+#include "services/channel/relay/swap_desk.hpp"
 
 namespace aloft::channel {
 namespace {

@@ -1,4 +1,4 @@
-#include "services/agent_host/crew_seat.hpp"
+#include "services/agent_host/relay_seat.hpp"
 
 #include "common/agents/relay.hpp"
 
@@ -16,8 +16,8 @@ std::uint32_t place_of(const agents::AgentSpec& relay, const agents::CrewMember&
 
 }  // namespace
 
-CrewSeat::CrewSeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
-                   const agents::CrewMember& member, bool stands_by)
+RelaySeat::RelaySeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
+                     const agents::CrewMember& member, bool stands_by)
     : liveliness_(liveliness),
       member_(member),
       place_(place_of(relay, member)),
@@ -26,20 +26,20 @@ CrewSeat::CrewSeat(const bus::Participant& participant, LivelinessTimer& livelin
   liveliness_.add(writer_);
 }
 
-CrewSeat::~CrewSeat() {
+RelaySeat::~RelaySeat() {
   liveliness_.remove(writer_);
 }
 
-Boarding CrewSeat::boarding() const noexcept {
+Boarding RelaySeat::boarding() const noexcept {
   if (stands_by_) return {0, true};
   return {member_.boards_at().value_or(0), false};
 }
 
-std::uint32_t CrewSeat::standby_strength() const noexcept {
+std::uint32_t RelaySeat::standby_strength() const noexcept {
   return static_cast<std::uint32_t>(agents::max_crew) - place_;
 }
 
-void CrewSeat::claim(const wire::ChannelReport& report) {
+void RelaySeat::claim(const wire::ChannelReport& report) {
   wire::HeightCommand claim;
   claim.stream(report.stream());
   claim.episode_id(report.episode_id());
@@ -50,7 +50,7 @@ void CrewSeat::claim(const wire::ChannelReport& report) {
   writer_.write(claim);
 }
 
-bool CrewSeat::hear(const wire::ChannelReport& report, const Pilot& pilot) {
+bool RelaySeat::hear(const wire::ChannelReport& report, const Pilot& pilot) {
   if (heard_ && older(report.attempt(), attempt_)) return false;
   repeated_ = heard_ && report.attempt() == attempt_ && report.step() == step_;
   heard_ = true;

@@ -1,4 +1,4 @@
-#include "services/channel/crew.hpp"
+#include "services/channel/relay/crew.hpp"
 
 #include <algorithm>
 #include <utility>

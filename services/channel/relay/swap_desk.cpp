@@ -1,4 +1,4 @@
-#include "services/channel/swap_desk.hpp"
+#include "services/channel/relay/swap_desk.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

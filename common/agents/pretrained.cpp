@@ -78,11 +78,7 @@ LoadedModel load(std::string_view bytes, std::string_view where) {
 std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::string& sha256) {
   if (!path.empty()) {
     const std::string bytes = read_model(path);
-    if (!sha256.empty() && sha256_hex(bytes) != sha256)
-      throw InputError(
-          fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "
-                      "file on every machine",
-                      path, sha256));
+    check_unchanged(path, bytes, sha256, "use the original file on every machine");
     return std::make_shared<const LoadedModel>(load(bytes, path));
   }
   static const auto builtin = std::make_shared<const LoadedModel>(load(builtin_model(), "the built-in model"));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,6 +26,11 @@ class Digest {
 };
 
 [[nodiscard]] std::string sha256_hex(std::string_view bytes);
+
+/// InputError, ending in `advice`, if `bytes`, which `file` holds, are not those with which an experiment was resolved:
+/// `sha256`; empty: any.
+void check_unchanged(const std::filesystem::path& file, std::string_view bytes, std::string_view sha256,
+                     std::string_view advice);
 
 /// The first 64 bits of the SHA-256: ids.
 [[nodiscard]] std::uint64_t sha256_id(std::string_view bytes);

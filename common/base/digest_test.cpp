@@ -10,3 +10,12 @@ TEST_CASE("SHA-256 of FIPS 180-4's example") {
   digest.add("bc");
   CHECK(digest.hex() == aloft::sha256_hex("abc"));
 }
+
+TEST_CASE("a file that changed since an experiment was resolved is refused, with the remedy") {
+  const std::string before = aloft::sha256_hex("abc");
+  CHECK_NOTHROW(aloft::check_unchanged("x.csv", "abc", before, "use it"));
+  CHECK_NOTHROW(aloft::check_unchanged("x.csv", "abd", "", "use it"));
+  CHECK_THROWS_WITH(aloft::check_unchanged("x.csv", "abd", before, "use it"),
+                    "'x.csv' has changed since the experiment was resolved: its SHA-256 is " +
+                        aloft::sha256_hex("abd") + ", not " + before + "; use it");
+}

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <variant>
 
 #include "common/experiment/experiment.hpp"
 #include "common/radio/signal_map.hpp"
@@ -16,7 +17,17 @@ namespace aloft::experiment {
 /// what the experiment was resolved with.
 [[nodiscard]] world::MeasuredFlight read_measured_flight(const Condition& condition);
 
-/// Everything a UAV can measure in this trial of this condition: city or measured flight, and the radio over it.
+/// What a trial flies over, before any radio.
+using TrialWorld = std::variant<world::City, world::MeasuredFlight>;
+
+[[nodiscard]] TrialWorld make_world(const Experiment& experiment, const Condition& condition, std::uint32_t trial);
+
+/// Everything a UAV can measure in this trial of this condition: its world, and the radio over it. std::runtime_error
+/// if `world` cannot be one of this condition.
+[[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment,
+                                                                const Condition& condition, std::uint32_t trial,
+                                                                const TrialWorld& world);
+/// Over the world that make_world() gives.
 [[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment,
                                                                 const Condition& condition, std::uint32_t trial);
 

@@ -35,14 +35,9 @@ Parameters resolve_measured_world(const nlohmann::json& given, std::string_view 
     try {
       const std::filesystem::path file = locate(checked.text("file"));
       const std::string csv = read_file(file);
-      const std::string sha256 = sha256_hex(csv);
-      if (!expected.empty() && sha256 != expected)
-        throw InputError(
-            fmt::format("{}: its SHA-256 is {}, but the experiment was resolved with {}; use the original "
-                        "file, or remove file_sha256 to take this one",
-                        file.string(), sha256, expected));
+      check_unchanged(file, csv, expected, "use the original file, or remove file_sha256 to take this one");
       (void)world::parse_measured_flight(csv, file.string());
-      resolved["file_sha256"] = sha256;
+      resolved["file_sha256"] = sha256_hex(csv);
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}.file: {}", where, error.what()));
     }

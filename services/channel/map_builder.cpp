@@ -1,23 +1,17 @@
 #include "services/channel/map_builder.hpp"
 
-#include <stdexcept>
+#include <exception>
 #include <utility>
 
 #include "common/bus/convert.hpp"
-#include "common/radio/generated_map.hpp"
-#include "common/radio/measured_map.hpp"
+#include "common/experiment/trial_world.hpp"
 
 namespace aloft::channel {
 namespace {
 
-std::unique_ptr<radio::SignalMap> make_map(const experiment::Experiment& experiment, const wire::World& world) {
-  const experiment::Condition& condition = experiment.conditions.at(world.condition());
-  if ((condition.kind == experiment::WorldKind::measured) != (world.kind() == wire::WORLD_MEASURED))
-    throw std::runtime_error("the world is not of the condition's kind");
-  if (world.kind() == wire::WORLD_MEASURED) return radio::make_measured_map(bus::measured_flight(world));
-  if (std::cmp_less(world.city().base_stations().size(), condition.world.integer("min_base_stations")))
-    throw std::runtime_error("the city has fewer base stations than the condition asks for");
-  return radio::make_generated_map(condition.world, bus::city(world), experiment.seed, world.trial());
+experiment::TrialWorld trial_world(const wire::World& world) {
+  if (world.kind() == wire::WORLD_MEASURED) return bus::measured_flight(world);
+  return bus::city(world);
 }
 
 /// Computes all readings of a route that is known beforehand.
@@ -35,7 +29,8 @@ MapBuilder::Built build(const experiment::Experiment& experiment, const wire::Wo
   MapBuilder::Built result;
   result.lease_id = world.lease_id();
   try {
-    result.map = make_map(experiment, world);
+    result.map = experiment::make_signal_map(experiment, experiment.conditions.at(world.condition()), world.trial(),
+                                             trial_world(world));
     fill(*result.map);
   } catch (const std::exception& error) {
     result.map.reset();

@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "common/base/digest.hpp"
 #include "common/base/error.hpp"
-#include "common/base/read_file.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/validate.hpp"
-#include "common/world/city.hpp"
-#include "common/world/measured_flight.hpp"
+#include "common/experiment/trial_world.hpp"
 
 namespace aloft::environment {
 
@@ -42,23 +39,12 @@ void WorldMaker::fill(wire::World& world, const wire::TrialAssignment& assignmen
     throw InputError(
         fmt::format("the experiment has no condition {} with trial {}", assignment.condition(), assignment.trial()));
   const experiment::Condition& condition = experiment_.conditions[assignment.condition()];
-  if (condition.kind == experiment::WorldKind::measured)
-    bus::put(world, measured_flight(condition.world));
-  else
-    bus::put(world, world::generate_city(condition.world, experiment_.seed, assignment.trial()));
-}
-
-const world::MeasuredFlight& WorldMaker::measured_flight(const Parameters& world) {
-  const std::string& file = world.text("file");
-  const auto known = measured_.find(file);
-  if (known != measured_.end()) return known->second;
-  const std::string csv = read_file(file);
-  if (sha256_hex(csv) != world.text("file_sha256"))
-    throw InputError(
-        fmt::format("{}: its SHA-256 is not {}, with which the experiment was resolved; use the original "
-                    "file on every machine",
-                    file, world.text("file_sha256")));
-  return measured_.emplace(file, world::parse_measured_flight(csv, file)).first->second;
+  if (condition.kind == experiment::WorldKind::generated)
+    return bus::put(world, experiment::make_city(experiment_, condition, assignment.trial()));
+  auto flight = flights_.find(condition.index);
+  if (flight == flights_.end())
+    flight = flights_.emplace(condition.index, experiment::read_measured_flight(condition)).first;
+  bus::put(world, flight->second);
 }
 
 }  // namespace aloft::environment

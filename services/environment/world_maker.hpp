@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
-#include <string>
 
 #include "common/bus/wire.hpp"
 #include "common/experiment/experiment.hpp"
@@ -20,10 +20,9 @@ class WorldMaker {
 
  private:
   void fill(wire::World& world, const wire::TrialAssignment& assignment);
-  [[nodiscard]] const world::MeasuredFlight& measured_flight(const Parameters& world);
 
   const experiment::Experiment& experiment_;
-  std::map<std::string, world::MeasuredFlight> measured_;  // by path: read once
+  std::map<std::uint32_t, world::MeasuredFlight> flights_;  // by condition: read once
 };
 
 }  // namespace aloft::environment

@@ -40,10 +40,7 @@ wire::World world_sample(const experiment::Experiment& experiment, const experim
   std::vector<std::string> agents;
   for (const agents::AgentSpec& spec : experiment.agents) agents.push_back(spec.name);
   world.agents(wire::names(agents));
-  if (condition.kind == experiment::WorldKind::measured)
-    bus::put(world, experiment::read_measured_flight(condition));
-  else
-    bus::put(world, experiment::make_city(experiment, condition, 0));
+  std::visit([&](const auto& made) { bus::put(world, made); }, experiment::make_world(experiment, condition, 0));
   return world;
 }
 

@@ -116,7 +116,7 @@ struct AgentHost::State {
   }
 
   void on_report(const wire::ChannelReport& report) {
-    for (const std::unique_ptr<Seat>& seat : seats_for(report)) {
+    for (const std::unique_ptr<Seat>& seat : take_seats(report)) {
       if (seat->crew && !seat->crew->hear(report, seat->pilot)) continue;
       go_on(*seat, seat->pilot.offer(report));
       ask_for_memory(seat->pilot);
@@ -161,8 +161,8 @@ struct AgentHost::State {
 
   using Seats = std::vector<std::unique_ptr<Seat>>;
 
-  /// Those of our agents that the report may concern.
-  const Seats& seats_for(const wire::ChannelReport& report) {
+  /// Those of our agents that the report may concern; whoever is new takes a seat.
+  const Seats& take_seats(const wire::ChannelReport& report) {
     static const Seats nobody;
     const auto& flown_by = report.relay() == "" ? report.agent() : report.relay();
     const auto at = seats.find(report.stream());

@@ -51,7 +51,7 @@ Pilot::Verdict Pilot::offer(const wire::ChannelReport& report) {
   const bool follows = same && report.step() == expected_;
   const bool begins = !follows && boards_at(report.step());
   if (!follows && !begins) return report.step() < boarding_.first_step ? Verdict::nothing : unknown(report);
-  const bool remembers = !begins || memory_complete(report);
+  const bool remembers = !begins || recall(report);
   if (!remembers || !profiles_complete(report)) {
     keep(report);
     return Verdict::nothing;
@@ -103,7 +103,7 @@ bool Pilot::remember(const wire::StoredMemory& message) {
   return true;
 }
 
-bool Pilot::memory_complete(const wire::ChannelReport& report) {
+bool Pilot::recall(const wire::ChannelReport& report) {
   wanted_.reset();
   const auto trial = spec_.remembered_trial(report.trial());
   if (!trial) {

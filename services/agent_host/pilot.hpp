@@ -89,7 +89,8 @@ class Pilot {
  private:
   [[nodiscard]] bool boards_at(std::uint32_t step) const noexcept;
   [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
-  bool memory_complete(const wire::ChannelReport& report);
+  /// True if what the agent must remember is there; else notes it as wanted().
+  bool recall(const wire::ChannelReport& report);
   [[nodiscard]] Verdict repeat(const wire::ChannelReport& report) const;
   Verdict think(const wire::ChannelReport& report, bool begins);
   Verdict unknown(const wire::ChannelReport& report);

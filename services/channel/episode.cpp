@@ -57,16 +57,16 @@ void Episode::comes(std::string_view agent) {
   if (crew_) crew_->comes(agent);
 }
 
-bool Episode::may_command(const wire::HeightCommand& message, Clock::time_point now) {
+bool Episode::admit(const wire::HeightCommand& message, Clock::time_point now) {
   if (!crew_) return message.agent() == agent_.name;
-  if (held_ || !crew_->takes(wire::view(message.agent()), now)) return false;
+  if (held_ || !crew_->admit(wire::view(message.agent()), now)) return false;
   if (report_.agent() != message.agent()) address_pilot(patience_);
   return true;
 }
 
 Episode::Outcome Episode::accept(const wire::HeightCommand& message, Clock::time_point now) {
   if (!concerns(message.episode_id(), message.attempt()) || message.step() != flight_.observation().step + 1 ||
-      !may_command(message, now))
+      !admit(message, now))
     return Outcome::ignored;
   if (flight_.finished() && !remembers_) return Outcome::ignored;
   if (message.action() == wire::ACTION_UNKNOWN_FLIGHT) {

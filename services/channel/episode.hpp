@@ -86,7 +86,8 @@ class Episode {
   [[nodiscard]] bool concerns(std::uint64_t episode_id, std::uint32_t attempt) const noexcept {
     return episode_id == address_.episode_id && attempt == address_.attempt;
   }
-  [[nodiscard]] bool may_command(const wire::HeightCommand& message, Clock::time_point now);
+  /// In a relay, makes the sender the pilot if it may command now; true if it may.
+  [[nodiscard]] bool admit(const wire::HeightCommand& message, Clock::time_point now);
   Outcome execute(const wire::HeightCommand& message, Clock::time_point now);
   Outcome execute_held(Clock::time_point now);
   void describe();

@@ -26,8 +26,9 @@ Trial* Trials::find(std::uint64_t lease_id) {
   return at == trials_.end() ? nullptr : &*at;
 }
 
-bool Trials::knows(std::uint64_t lease_id) {
-  return find(lease_id) != nullptr || std::find(past_.begin(), past_.end(), lease_id) != past_.end();
+bool Trials::knows(std::uint64_t lease_id) const {
+  return std::any_of(trials_.begin(), trials_.end(), [&](const Trial& trial) { return trial.lease_id == lease_id; }) ||
+         std::find(past_.begin(), past_.end(), lease_id) != past_.end();
 }
 
 void Trials::remove(std::uint64_t lease_id) {

@@ -36,7 +36,7 @@ class Trials {
   [[nodiscard]] Trial* find(std::uint64_t lease_id);
   void remove(std::uint64_t lease_id);
   /// True if the lease is held, or was not long ago: its assignment may come again from a restarted environment.
-  [[nodiscard]] bool knows(std::uint64_t lease_id);
+  [[nodiscard]] bool knows(std::uint64_t lease_id) const;
   /// Gives the trial a lane; false if none is free.
   bool take_lane(Trial& trial);
   /// The last flight has landed: lane and map are free again.

@@ -142,11 +142,12 @@ class Conversation {
   void on_stored(const wire::EpisodeStored& stored, Clock::time_point now) {
     const experiment::FlightKey flight{stored.condition(), stored.trial(), std::string(wire::view(stored.agent()))};
     if (!coordinator_.knows(flight)) return stored_.drop("the experiment has no such flight");
-    if (!is_stored(flight, stored.collector(), now)) return stored_.drop("this flight is not among the results");
+    if (!look_up(flight, stored.collector(), now)) return stored_.drop("this flight is not among the results");
     coordinator_.on_flight_stored(flight, now);
   }
 
-  [[nodiscard]] bool is_stored(const experiment::FlightKey& flight, std::uint64_t collector, Clock::time_point now) {
+  /// True if the flight is among the results. If they cannot be read, all of them are read again soon.
+  [[nodiscard]] bool look_up(const experiment::FlightKey& flight, std::uint64_t collector, Clock::time_point now) {
     try {
       if (const store::ResultStore* database = results_.database()) return database->holds(flight);
     } catch (const std::exception& error) {
@@ -252,15 +253,15 @@ class Conversation {
   }
 
   void on_collector(const wire::CollectorStatus& status, Clock::time_point now) {
-    if (!is_own(status, now)) return;
+    if (!meet_collector(status, now)) return;
     const std::string message(wire::view(status.message()));
     if (status.state() == wire::COLLECTOR_FAILED) collector_failure_ = "aloft-metrics failed: " + message;
     const bool paused = status.state() == wire::COLLECTOR_PAUSED;
     coordinator_.on_collector_paused(paused ? "aloft-metrics: " + message : "", now);
   }
 
-  /// Whether this is the run's own collector. Others are told to end.
-  [[nodiscard]] bool is_own(const wire::CollectorStatus& status, Clock::time_point now) {
+  /// True if this is the run's own collector. Others are told to end.
+  [[nodiscard]] bool meet_collector(const wire::CollectorStatus& status, Clock::time_point now) {
     const OwnCollector::News news{bus::from_wire(status.collector()), plain_text(wire::view(status.results())),
                                   status.flights_stored()};
     const bool known = own_collector_.is_own(news.process);

@@ -173,7 +173,7 @@ bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
   if (retry_.empty() && fresh_.empty()) return false;
   std::uint32_t at = hungry_.front();
   std::uint32_t trial = none;
-  while (at != none && (trial = next_trial_for(at)) == none) at = hungry_links_[at].next;
+  while (at != none && (trial = seek_trial_for(at)) == none) at = hungry_links_[at].next;
   if (at == none) return false;
   Worker& worker = workers_[at];
   Slot& slot = slots_[trial];
@@ -194,19 +194,19 @@ bool LeaseLedger::grant(Clock::time_point now, Lease& lease) {
   return true;
 }
 
-std::uint32_t LeaseLedger::next_trial_for(std::uint32_t worker) noexcept {
+std::uint32_t LeaseLedger::seek_trial_for(std::uint32_t worker) noexcept {
   const bool alone = names_.size() == 1;
-  const std::uint32_t first_retry = first_for(worker, retry_);
+  const std::uint32_t first_retry = rotate_to_first_for(worker, retry_);
   std::uint32_t retry = first_retry;
   for (int looked_at = 0; retry != none && looked_at < retries_looked_at; ++looked_at, retry = links_[retry].next)
     if ((alone || slots_[retry].worker != worker) && has_work_for(worker, retry)) return retry;
-  const std::uint32_t fresh = first_for(worker, fresh_);
+  const std::uint32_t fresh = rotate_to_first_for(worker, fresh_);
   return fresh == none ? first_retry : fresh;
 }
 
 /// The first trial in the queue with an agent that the worker flies. Those before it go to the end, so that all are
 /// looked at in the end, although never many at a time.
-std::uint32_t LeaseLedger::first_for(std::uint32_t worker, IndexList& queue) noexcept {
+std::uint32_t LeaseLedger::rotate_to_first_for(std::uint32_t worker, IndexList& queue) noexcept {
   for (int looked_at = 0; !queue.empty() && looked_at < trials_looked_at; ++looked_at) {
     const std::uint32_t trial = queue.front();
     if (has_work_for(worker, trial)) return trial;

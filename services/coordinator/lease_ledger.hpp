@@ -172,8 +172,8 @@ class LeaseLedger {
   void enqueue(std::uint32_t trial_index, Queue queue) noexcept;
   void dequeue(std::uint32_t trial_index) noexcept;
   [[nodiscard]] bool has_work_for(std::uint32_t worker, std::uint32_t trial_index) const noexcept;
-  [[nodiscard]] std::uint32_t first_for(std::uint32_t worker, IndexList& queue) noexcept;
-  [[nodiscard]] std::uint32_t next_trial_for(std::uint32_t worker) noexcept;
+  [[nodiscard]] std::uint32_t rotate_to_first_for(std::uint32_t worker, IndexList& queue) noexcept;
+  [[nodiscard]] std::uint32_t seek_trial_for(std::uint32_t worker) noexcept;
   [[nodiscard]] std::vector<std::uint32_t> missing_agents(std::uint32_t worker, std::uint32_t trial_index) const;
 
   std::uint32_t add_worker(const WorkerReport& report);

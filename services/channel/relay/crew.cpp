@@ -66,10 +66,10 @@ bool Crew::begin_step(std::uint32_t step, Clock::time_point now) {
     members_[i].followed = members_[i].failed = false;
     if (relay_.crew[i].boards_at() == step - 1) members_[i].aboard = true;
   }
-  return ask(due(step), now);
+  return ask(appoint(step), now);
 }
 
-std::size_t Crew::due(std::uint32_t step) {
+std::size_t Crew::appoint(std::uint32_t step) {
   if (order_ && step >= order_->from_step) {
     const bool takes_effect = !std::exchange(order_in_effect_, true);
     return takes_effect ? find(order_->agent) : pilot_;
@@ -82,10 +82,10 @@ bool Crew::order(const SwapOrder& order, std::uint32_t step, Clock::time_point n
   order_ = order;
   order_in_effect_ = false;
   order_open_ = true;
-  return step >= order.from_step && ask(due(step), now);
+  return step >= order.from_step && ask(appoint(step), now);
 }
 
-bool Crew::takes(std::string_view name, Clock::time_point now) {
+bool Crew::admit(std::string_view name, Clock::time_point now) {
   const std::size_t index = find(name);
   if (index == members_.size()) return false;
   if (index == pilot_) return true;

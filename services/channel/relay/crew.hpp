@@ -44,8 +44,8 @@ class Crew {
   /// Whether the ordered agent has not commanded yet.
   [[nodiscard]] bool order_open() const noexcept { return order_open_; }
 
-  /// May this agent command now? If so, it is the pilot from here on.
-  [[nodiscard]] bool takes(std::string_view name, Clock::time_point now);
+  /// Makes this agent the pilot if it may command now; true if it is.
+  [[nodiscard]] bool admit(std::string_view name, Clock::time_point now);
   /// The pilot cannot go on; true if another one was found to ask.
   [[nodiscard]] bool pass_on(Clock::time_point now);
   /// Its command has been executed.
@@ -72,7 +72,7 @@ class Crew {
   [[nodiscard]] std::size_t find(std::string_view name) const noexcept;
   [[nodiscard]] bool is_behind(std::size_t index) const noexcept;
   /// Who is asked for `step`; an order takes effect here.
-  std::size_t due(std::uint32_t step);
+  std::size_t appoint(std::uint32_t step);
   /// Who is asked when it is this one's turn: another one if it is absent.
   [[nodiscard]] std::size_t present(std::size_t index) const noexcept;
   /// Whether it has been there lately.

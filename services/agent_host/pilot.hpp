@@ -89,7 +89,7 @@ class Pilot {
  private:
   [[nodiscard]] bool boards_at(std::uint32_t step) const noexcept;
   [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
-  /// True if what the agent must remember is there; else notes it as wanted().
+  /// True if what the agent must remember is there; else it is wanted_memory().
   bool recall(const wire::ChannelReport& report);
   [[nodiscard]] Verdict repeat(const wire::ChannelReport& report) const;
   Verdict think(const wire::ChannelReport& report, bool begins);

@@ -69,6 +69,16 @@ const AgentDirectory::Entry* AgentDirectory::find(std::string_view agent) const 
   return at == agents_.end() || at->second.lost ? nullptr : &at->second;
 }
 
+std::vector<std::string> AgentDirectory::absent(const agents::AgentSpec& spec) const {
+  std::vector<std::string> names;
+  const auto look_for = [&](const std::string& name) {
+    if (find(name) == nullptr) names.push_back(name);
+  };
+  if (spec.crew.empty()) look_for(spec.name);
+  for (const agents::CrewMember& member : spec.crew) look_for(member.agent.name);
+  return names;
+}
+
 std::vector<wire::AgentNews> AgentDirectory::news(Clock::time_point now) const {
   std::vector<wire::AgentNews> all;
   for (const auto& [name, entry] : agents_) {

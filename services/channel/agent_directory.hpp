@@ -40,6 +40,8 @@ class AgentDirectory {
 
   /// Null if the agent is not there.
   [[nodiscard]] const Entry* find(std::string_view agent) const;
+  /// Of the agents that a flight of `spec` needs, those that are not there.
+  [[nodiscard]] std::vector<std::string> absent(const agents::AgentSpec& spec) const;
   /// All of them, the lost ones too; at most as many as fit into a WorkerStatus.
   [[nodiscard]] std::vector<wire::AgentNews> news(Clock::time_point now) const;
 

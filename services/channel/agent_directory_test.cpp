@@ -33,4 +33,19 @@ TEST_CASE("a foreign agent sees what it asks for, and no more than the experimen
   CHECK_THROWS_AS(granted(spec_of({{"type", "external"}, {"name", "visitor"}}), wire::PRIVILEGE_NEXT_STEP), InputError);
 }
 
+TEST_CASE("the agents that a flight needs and that are not there are named, of a relay its crew") {
+  AgentDirectory directory;
+  const auto relay = spec_of({{"type", "relay"},
+                              {"name", "both"},
+                              {"crew", {{{"agent", "min-height"}}, {{"agent", "constant-60"}, {"from_step", 3}}}}});
+  CHECK(directory.absent(relay) == std::vector<std::string>{"min-height", "constant-60"});
+  wire::AgentStatus status;
+  status.agent(wire::name("min-height"));
+  status.state(wire::AGENT_READY);
+  directory.update(status, Clock::now());
+  CHECK(directory.absent(relay) == std::vector<std::string>{"constant-60"});
+  CHECK(directory.absent(spec_of("min-height")).empty());
+  CHECK(directory.absent(spec_of("planner")) == std::vector<std::string>{"planner"});
+}
+
 }  // namespace aloft::channel

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,15 +12,15 @@
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
-#include "common/base/process_name.hpp"
-#include "common/bus/answer_times.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/store/result_store.hpp"
 #include "services/channel/agent_directory.hpp"
 #include "services/channel/episode.hpp"
 #include "services/channel/map_builder.hpp"
+#include "services/channel/missing_peers.hpp"
 #include "services/channel/outbox.hpp"
+#include "services/channel/own_status.hpp"
 #include "services/channel/relay/swap_desk.hpp"
 #include "services/channel/trials.hpp"
 #include "services/runtime/run_follower.hpp"
@@ -32,18 +30,12 @@ namespace {
 
 constexpr std::chrono::milliseconds tick_period{50};
 constexpr std::chrono::milliseconds status_period{500};
-constexpr std::chrono::seconds missing_after{3};
 constexpr std::chrono::seconds answer_limit{60};
 constexpr std::chrono::milliseconds farewell_time{500};
 constexpr std::size_t max_waiting_for_storage = 32;
 
 double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
-}
-
-/// "agent dqn", "agents dqn, planner".
-std::string agents_text(const std::vector<std::string>& names) {
-  return fmt::format("agent{} {}", names.size() == 1 ? "" : "s", fmt::join(names, ", "));
 }
 
 /// Attempts must differ from those of a channel that this one replaces: they count on from the time of day.
@@ -56,7 +48,11 @@ std::uint32_t first_attempt() {
 
 struct Channel::State {
   State(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop_signal)
-      : stop(stop_signal), participant(place), waiter(stop_signal), trials(options.lanes), flies_only(options.agents) {
+      : stop(stop_signal),
+        participant(place),
+        waiter(stop_signal),
+        trials(options.lanes),
+        own(place.worker, options.agents) {
     waiter.add(follower.reader());
     waiter.add(worlds);
     waiter.add(commands);
@@ -131,13 +127,14 @@ struct Channel::State {
     }
     if (swaps.recount(episodes)) swap_replies.write(swaps.reply());
     outbox.send_due(now, [this](wire::EpisodeRecord& record) { records.write(record); });
-    tell_missing();
+    look_for_missing();
   }
 
   // --- what arrives ---
 
   void begin() {
     experiment = follower.experiment();
+    own.begin(experiment->id);
     episodes.resize(experiment->agents.size() * trials.lanes());
     worlds.expect_experiment(experiment->id);
     agent_statuses.expect_experiment(experiment->id);
@@ -208,10 +205,10 @@ struct Channel::State {
       case Episode::Outcome::ignored:
         return;
       case Episode::Outcome::stepped:
-        count_step(answer_s);
+        own.count_step(answer_s);
         return ask(episode);
       case Episode::Outcome::finished:
-        count_step(answer_s);
+        own.count_step(answer_s);
         ask(episode);
         return land(episode);
       case Episode::Outcome::lost:
@@ -223,12 +220,6 @@ struct Channel::State {
       case Episode::Outcome::forbidden:
         return fail(lease_of(episode), fmt::format("agent {} may not jump to a height", episode.pilot().name));
     }
-  }
-
-  void count_step(double answer_s) {
-    ++steps_done;
-    ++answer_counts[bus::answer_bucket(answer_s)];
-    all_answers_s += answer_s;
   }
 
   void on_swap(const wire::SwapRequest& request) {
@@ -275,7 +266,7 @@ struct Channel::State {
       if (trial.lane < 0 && !trials.take_lane(trial)) continue;
       std::erase_if(trial.waiting, [&](const std::string& name) {
         const agents::AgentSpec& spec = experiment->agents[agent_index(name)];
-        const std::vector<std::string> missing_agents = absent(spec);
+        const std::vector<std::string> missing_agents = agents.absent(spec);
         if (!missing_agents.empty() && !can_spare(spec, missing_agents)) return false;
         start(trial, spec, missing_agents);
         return true;
@@ -353,7 +344,7 @@ struct Channel::State {
     lost_histories.erase(address.episode_id);
     trial.unconfirmed.insert(address.episode_id);
     --trial.in_the_air;
-    ++flights_done;
+    own.count_flight();
     episodes[address.stream].reset();
     if (!trial.flown()) return;
     trials.give_back(trial);
@@ -382,8 +373,7 @@ struct Channel::State {
     for (const auto& [lease, reason] : failing) {
       spdlog::error("lease {}: {}", lease, reason);
       cancel(lease);
-      failures.emplace_back(lease, reason);
-      if (failures.size() > limits::failures_told) failures.pop_front();
+      own.add_failure(lease, reason);
     }
     failing.clear();
   }
@@ -398,84 +388,42 @@ struct Channel::State {
   }
 
   void publish_status(std::uint32_t capacity_wanted) {
-    wire::WorkerStatus status;
-    status.worker(wire::name(participant.options().worker));
-    status.experiment_id(wire::experiment_id(experiment->id));
-    status.host(wire::name(host));
-    status.pid(static_cast<std::uint32_t>(getpid()));
-    status.incarnation(incarnation);
-    status.heartbeat(++heartbeat);
+    wire::WorkerStatus status = own.next();
     status.capacity(capacity_wanted);
     for (const Trial& trial : trials.all()) status.leases().push_back(trial.lease_id);
-    for (const auto& [lease, reason] : failures) {
-      status.failures().emplace_back();
-      status.failures().back().lease_id(lease);
-      status.failures().back().reason(wire::message(reason));
-    }
     status.agents(agents.news(now));
-    status.flies_only(wire::names(flies_only));
-    status.flights_done(flights_done);
-    status.steps_done(steps_done);
-    status.answer_counts(answer_counts);
-    status.answer_s(all_answers_s);
     status.records_unconfirmed(static_cast<std::uint32_t>(outbox.size()));
     status.drops(participant.drops());
-    status.missing(wire::message(missing));
+    status.missing(wire::message(missing.text()));
     statuses.write(status);
     changed = false;
     next_status = now + status_period;
   }
 
-  /// Whom we wait for, in words; logged when it changes.
-  void tell_missing() {
-    std::vector<std::string> peers;
-    std::map<std::string, Clock::duration> silent;
+  void look_for_missing() {
+    MissingPeers::Facts facts;
     for (const std::unique_ptr<Episode>& episode : episodes)
-      if (episode && episode->silence(now) > missing_after)
-        silent[episode->awaited()] = std::max(silent[episode->awaited()], episode->silence(now));
-    if (!silent.empty()) {
-      std::vector<std::string> names;
-      Clock::duration longest{};
-      for (const auto& [name, silence] : silent) {
-        names.push_back(name);
-        longest = std::max(longest, silence);
+      if (episode && episode->silence(now) > MissingPeers::patience) {
+        Clock::duration& longest = facts.silent_agents[episode->awaited()];
+        longest = std::max(longest, episode->silence(now));
       }
-      peers.push_back(fmt::format("{} (no command for {:.0f} s)", agents_text(names), seconds(longest)));
-    }
-    if (const std::vector<std::string> names = absent_agents(); !names.empty())
-      peers.push_back(fmt::format("{} (not there)", agents_text(names)));
-    if (outbox.silence(now) > missing_after)
-      peers.push_back(fmt::format("the collector ({} records unconfirmed)", outbox.size()));
-    if (worlds.matched() > 0) environment_seen = now;
-    if (now - environment_seen > missing_after) peers.emplace_back("the environment (not there)");
-    std::string text = fmt::format("{}", fmt::join(peers, ", "));
-    if (text == missing) return;
-    const bool others = text.substr(0, text.find('(')) != missing.substr(0, missing.find('('));
-    missing = std::move(text);
-    if (others) missing.empty() ? spdlog::info("nobody is missing") : spdlog::warn("waits for {}", missing);
+    facts.absent_agents = note_absent_agents();
+    facts.collector_silence = outbox.silence(now);
+    facts.records_unconfirmed = outbox.size();
+    facts.environment_there = worlds.matched() > 0;
+    missing.update(facts, now);
   }
 
-  /// Agents that a trial has been waiting for since more than missing_after.
-  [[nodiscard]] std::vector<std::string> absent_agents() {
+  /// Notes which agents trials wait for; those for which they have waited long enough.
+  [[nodiscard]] std::vector<std::string> note_absent_agents() {
     std::vector<std::string> names;
     for (const Trial& trial : trials.all())
       if (trial.lane >= 0)
         for (const std::string& waiting : trial.waiting)
-          for (const std::string& name : absent(experiment->agents[agent_index(waiting)]))
+          for (const std::string& name : agents.absent(experiment->agents[agent_index(waiting)]))
             if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     for (const std::string& name : names) agents.miss(name, now);
     std::erase_if(names, [&](const std::string& name) { return !agents.waited_long(name, now); });
-    return names;
-  }
-
-  /// Of the agents that this flight needs, those that are not there.
-  [[nodiscard]] std::vector<std::string> absent(const agents::AgentSpec& spec) const {
-    std::vector<std::string> names;
-    const auto look_for = [&](const std::string& name) {
-      if (agents.find(name) == nullptr) names.push_back(name);
-    };
-    if (spec.crew.empty()) look_for(spec.name);
-    for (const agents::CrewMember& member : spec.crew) look_for(member.agent.name);
     return names;
   }
 
@@ -517,7 +465,6 @@ struct Channel::State {
 
   std::shared_ptr<const experiment::Experiment> experiment;
   Trials trials;
-  std::vector<std::string> flies_only;             // empty: all agents
   std::vector<std::unique_ptr<Episode>> episodes;  // by stream
   std::map<std::uint32_t, std::uint64_t> leases;   // by stream
   std::map<std::uint64_t, std::uint32_t> lost_histories;
@@ -532,17 +479,8 @@ struct Channel::State {
   Clock::time_point next_status;
   std::uint32_t last_attempt = first_attempt();
   std::map<std::uint64_t, std::string> failing;  // leases, with the reason
-  std::deque<std::pair<std::uint64_t, std::string>> failures;
-  Clock::time_point environment_seen = Clock::now();
-  std::string missing;
-  std::string host = this_process().host;
-  const std::uint64_t incarnation =
-      static_cast<std::uint64_t>(std::chrono::system_clock::now().time_since_epoch().count());
-  std::uint64_t heartbeat = 0;
-  std::uint64_t flights_done = 0;
-  std::uint64_t steps_done = 0;
-  bus::AnswerCounts answer_counts{};
-  double all_answers_s = 0.0;
+  OwnStatus own;
+  MissingPeers missing{Clock::now()};
 
   MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses what stands above
 };

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -18,7 +20,6 @@
 #include "services/agent_host/liveliness_timer.hpp"
 #include "services/agent_host/pilot.hpp"
 #include "services/agent_host/relay_seat.hpp"
-#include "services/agent_host/thread_pool.hpp"
 #include "services/runtime/run_follower.hpp"
 
 namespace aloft::agent_host {
@@ -77,7 +78,7 @@ struct AgentHost::State {
       publish_status(wire::AGENT_READY);
       next_status = Clock::now() + status_period;
     }
-    pool.reset();
+    pool.reset();  // thoughts that have not begun are dropped, the others waited for
     publish_status(wire::AGENT_STOPPED);
   }
 
@@ -204,7 +205,7 @@ struct AgentHost::State {
       finish(seat);
       return;
     }
-    pool->submit([this, &seat] {
+    boost::asio::post(*pool, [this, &seat] {
       seat.pilot.task().run();
       {
         const std::lock_guard lock(finished_mutex);
@@ -305,7 +306,7 @@ struct AgentHost::State {
 
   std::mutex finished_mutex;
   std::vector<Seat*> finished;
-  std::optional<ThreadPool> pool;  // last: its threads use what stands above
+  std::optional<boost::asio::thread_pool> pool;  // last: its threads use what stands above
 };
 
 AgentHost::AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop)

@@ -1,10 +1,14 @@
-#include "services/agent_host/thread_pool.hpp"
-
+// What the host of agents relies on when it thinks in Boost.Asio's thread pool.
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <future>
+#include <thread>
+#include <vector>
 
-using aloft::agent_host::ThreadPool;
+using boost::asio::post;
+using ThreadPool = boost::asio::thread_pool;
 using namespace std::chrono_literals;
 
 namespace {
@@ -17,9 +21,8 @@ TEST_CASE("a long thought does not hold up another episode's while a thread is f
   std::promise<void> second_is_done;
   std::promise<bool> first_saw_it;
   ThreadPool pool(2);
-  pool.submit(
-      [&] { first_saw_it.set_value(second_is_done.get_future().wait_for(limit) == std::future_status::ready); });
-  pool.submit([&] { second_is_done.set_value(); });
+  post(pool, [&] { first_saw_it.set_value(second_is_done.get_future().wait_for(limit) == std::future_status::ready); });
+  post(pool, [&] { second_is_done.set_value(); });
   auto seen = first_saw_it.get_future();
   REQUIRE(seen.wait_for(2 * limit) == std::future_status::ready);
   CHECK(seen.get());
@@ -29,8 +32,8 @@ TEST_CASE("one thread thinks for one episode at a time, in the order of their re
   std::vector<int> order;
   std::promise<void> last;
   ThreadPool pool(1);
-  for (int i = 0; i < 100; ++i) pool.submit([&order, i] { order.push_back(i); });
-  pool.submit([&] { last.set_value(); });
+  for (int i = 0; i < 100; ++i) post(pool, [&order, i] { order.push_back(i); });
+  post(pool, [&] { last.set_value(); });
   REQUIRE(last.get_future().wait_for(limit) == std::future_status::ready);
   for (int i = 0; i < 100; ++i) CHECK(order.at(static_cast<std::size_t>(i)) == i);
 }
@@ -41,11 +44,11 @@ TEST_CASE("thoughts that have not begun are dropped with the pool", "[thread_poo
   bool second = false;
   {
     ThreadPool pool(1);
-    pool.submit([&] {
+    post(pool, [&] {
       started.set_value();
       go_on.get_future().wait_for(limit);
     });
-    pool.submit([&] { second = true; });
+    post(pool, [&] { second = true; });
     REQUIRE(started.get_future().wait_for(limit) == std::future_status::ready);
     std::thread([&] { std::this_thread::sleep_for(50ms), go_on.set_value(); }).detach();
   }

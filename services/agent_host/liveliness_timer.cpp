@@ -9,17 +9,6 @@ constexpr std::chrono::milliseconds period{100};
 
 }  // namespace
 
-LivelinessTimer::LivelinessTimer() : thread_([this] { work(); }) {}
-
-LivelinessTimer::~LivelinessTimer() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
 void LivelinessTimer::add(Commands& writer) {
   const std::lock_guard lock(mutex_);
   writers_.push_back(&writer);
@@ -30,11 +19,11 @@ void LivelinessTimer::remove(Commands& writer) {
   std::erase(writers_, &writer);
 }
 
-void LivelinessTimer::work() {
+void LivelinessTimer::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (!ending_) {
+  while (!stop.stop_requested()) {
     for (Commands* writer : writers_) writer->assert_liveliness();
-    changed_.wait_for(lock, period);
+    stopped_.wait_for(lock, stop, period, [] { return false; });
   }
 }
 

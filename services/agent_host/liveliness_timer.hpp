@@ -14,23 +14,17 @@ class LivelinessTimer {
  public:
   using Commands = bus::Writer<wire::HeightCommand>;
 
-  LivelinessTimer();
-  ~LivelinessTimer();
-  LivelinessTimer(const LivelinessTimer&) = delete;
-  LivelinessTimer& operator=(const LivelinessTimer&) = delete;
-
   /// From now until remove(); from any thread.
   void add(Commands& writer);
   void remove(Commands& writer);
 
  private:
-  void work();
+  void work(const std::stop_token& stop);
 
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any stopped_;
   std::vector<Commands*> writers_;
-  bool ending_ = false;
-  std::thread thread_;
+  std::jthread thread_{[this](const std::stop_token& stop) { work(stop); }};  // last: it uses what stands above
 };
 
 }  // namespace aloft::agent_host

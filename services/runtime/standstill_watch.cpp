@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 #include <time.h>
 
+#include <condition_variable>
 #include <cstdlib>
+#include <mutex>
 #include <utility>
 
 namespace aloft::runtime {
@@ -19,27 +21,21 @@ std::chrono::milliseconds now() {
                                                                std::chrono::nanoseconds(time.tv_nsec));
 }
 
-}  // namespace
-
-StandstillWatch::StandstillWatch(std::chrono::milliseconds limit, React react)
-    : thread_([this, limit, react = std::move(react)] { watch(limit, react); }) {}
-
-StandstillWatch::~StandstillWatch() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
-void StandstillWatch::watch(std::chrono::milliseconds limit, const React& react) {
-  std::unique_lock lock(mutex_);
-  for (auto last = now(); !changed_.wait_for(lock, limit / looks_per_limit, [this] { return ending_; });) {
+void watch(const std::stop_token& stop, std::chrono::milliseconds limit, const StandstillWatch::React& react) {
+  std::mutex mutex;
+  std::condition_variable_any stopped;
+  std::unique_lock lock(mutex);
+  const auto is_over = [&] { return stop.stop_requested(); };
+  for (auto last = now(); !stopped.wait_for(lock, stop, limit / looks_per_limit, is_over);) {
     const auto still = now() - std::exchange(last, now());
     if (still >= limit - limit / looks_per_limit) react(still);  // when it stopped, it had slept for a while already
   }
 }
+
+}  // namespace
+
+StandstillWatch::StandstillWatch(std::chrono::milliseconds limit, React react)
+    : thread_([limit, react = std::move(react)](const std::stop_token& stop) { watch(stop, limit, react); }) {}
 
 StandstillWatch::React end_to_be_started_again() {
   return [](std::chrono::milliseconds still) {

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <thread>
 
 namespace aloft::runtime {
@@ -16,17 +14,9 @@ class StandstillWatch {
   /// Calls `react`, from a thread of its own, each time the process has not run for about `limit` or longer, with the
   /// time.
   StandstillWatch(std::chrono::milliseconds limit, React react);
-  ~StandstillWatch();
-  StandstillWatch(const StandstillWatch&) = delete;
-  StandstillWatch& operator=(const StandstillWatch&) = delete;
 
  private:
-  void watch(std::chrono::milliseconds limit, const React& react);
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool ending_ = false;
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 /// The exit code of a process with which nothing is wrong, but only a new one can go on; who supervises it starts that.

@@ -16,8 +16,6 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t max_world_name_length = 200;
-
 WorldKind kind_of(const OrderedJson& world, const std::string& where) {
   const auto kind = world.find("kind");
   if (kind == world.end()) {
@@ -36,9 +34,9 @@ std::string name_of(const OrderedJson& world, const std::string& where) {
   if (name == world.end()) return {};
   const bool is_text = name->is_string();
   std::string text = is_text ? name->get<std::string>() : "";
-  if (text.empty() || text.size() > max_world_name_length || plain_text(text) != text)
+  if (text.empty() || text.size() > max_world_name_bytes || plain_text(text) != text)
     throw InputError(fmt::format("{}.name: {} is not allowed; use a text of 1 to {} bytes, printable and on one line",
-                                 where, excerpt(name->dump()), max_world_name_length));
+                                 where, excerpt(name->dump()), max_world_name_bytes));
   return text;
 }
 

@@ -10,6 +10,7 @@
 namespace aloft::experiment {
 
 inline constexpr std::size_t max_conditions = 10'000;
+inline constexpr std::size_t max_world_name_bytes = 200;
 
 /// The conditions of "world", or of all "worlds", in the order of the sweeps: every value that is a list is swept, the
 /// first key of the file changes slowest. Throws InputError naming the JSON path.

@@ -19,7 +19,6 @@
 #include "common/experiment/file_paths.hpp"
 #include "common/experiment/identity.hpp"
 #include "common/experiment/relay_rules.hpp"
-#include "common/experiment/schema.hpp"
 #include "common/experiment/set_value.hpp"
 #include "common/experiment/world_parameters.hpp"
 
@@ -42,6 +41,9 @@ void check_keys(const OrderedJson& document) {
                                    did_you_mean(item.key(), keys), fmt::join(keys, ", ")));
   for (const char* key : {"name", "trials", "agents"})
     if (!document.contains(key)) throw InputError(fmt::format("\"{}\" is missing", key));
+  for (const char* key : {"$schema", "build"})
+    if (document.contains(key) && !document.at(key).is_string())
+      throw InputError(fmt::format("{}: {} is not allowed; use a text", key, excerpt(document.at(key).dump())));
 }
 
 std::uint64_t seed_of(const OrderedJson& document) {
@@ -225,14 +227,6 @@ void check_trials(const Experiment& experiment) {
                     experiment.conditions.size(), experiment.trials, trials, limits::trials));
 }
 
-/// The first errors of a file that may have thousands.
-std::string first_lines(const std::vector<std::string>& errors) {
-  constexpr std::size_t most = 10;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(errors.size(), most); ++i) text += (i > 0 ? "\n" : "") + excerpt(errors[i]);
-  return errors.size() > most ? fmt::format("{}\n... and {} more", text, errors.size() - most) : text;
-}
-
 void apply(OrderedJson& document, const Overrides& overrides) {
   for (const std::string& assignment : overrides.set) set_value(document, assignment);
   if (overrides.trials) document["trials"] = *overrides.trials;
@@ -255,9 +249,6 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   check_neighbours(experiment);
   experiment.canonical = canonical_form(experiment);
   check_size(experiment);
-  // The checks above give the better messages, so they come first; the schema has the last word.
-  if (const std::vector<std::string> errors = schema_errors(Json(document)); !errors.empty())
-    throw InputError(first_lines(errors));
   experiment.id = id_of(experiment.canonical);
   return experiment;
 }

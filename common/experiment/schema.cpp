@@ -1,5 +1,7 @@
 #include "common/experiment/schema.hpp"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
@@ -37,8 +39,10 @@ Json sweepable(std::span<const ParameterSpec> table) {
 Json world_schema(const char* kind, std::span<const ParameterSpec> table) {
   Json properties = sweepable(table);
   properties["kind"] = {{"const", kind}};
-  properties["name"] = {
-      {"type", "string"}, {"minLength", 1}, {"description", "Names the condition, beside the swept values."}};
+  properties["name"] = {{"type", "string"},
+                        {"minLength", 1},
+                        {"maxLength", max_world_name_bytes},
+                        {"description", "Names the condition, beside the swept values."}};
   properties["swept"] = {{"type", "array"},
                          {"items", {{"type", "string"}}},
                          {"description", "Only in resolved experiments: which parameters were swept."}};
@@ -77,11 +81,12 @@ Json any_agent() {
     properties["type"] = true;
     properties["name"] = true;
     if (type.relay) properties["crew"] = any_crew();
+    Json rule{
+        {"description", type.description}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+    if (type.relay) rule["required"] = Json::array({"name", "crew"});
+    if (type.foreign) rule["required"] = Json::array({"name"});
     rules.push_back({{"if", {{"properties", {{"type", {{"const", type.name}}}}}, {"required", Json::array({"type"})}}},
-                     {"then",
-                      {{"description", type.description},
-                       {"properties", std::move(properties)},
-                       {"additionalProperties", false}}}});
+                     {"then", std::move(rule)}});
   }
   Json object{{"type", "object"},
               {"required", Json::array({"type"})},
@@ -94,13 +99,13 @@ Json any_agent() {
 
 Json experiment_schema() {
   Json properties = schema_properties(file_settings());
-  properties["name"]["minLength"] = 1;
+  properties["name"]["pattern"] = fmt::format("^[A-Za-z0-9_-][A-Za-z0-9._-]{{0,{}}}$", limits::name_bytes - 1);
   for (const char* required : {"name", "trials"}) properties[required].erase("default");
   properties["$schema"] = {{"type", "string"}, {"description", "Path or address of this schema, for editors."}};
   properties["build"] = {{"type", "string"}, {"description", "Written into resolved experiments; ignored when read."}};
   properties["seed"] = {{"type", "integer"},
                         {"minimum", 0},
-                        {"maximum", 0x1p64},
+                        {"exclusiveMaximum", 0x1p64},
                         {"default", default_seed},
                         {"description", "Of all randomness; below 2^64."}};
   properties["world"] = any_world();

@@ -1,16 +1,12 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
-#include <vector>
 
 namespace aloft::experiment {
 
 /// JSON Schema (draft 7) of experiment files, made from the parameter tables of worlds and of the agents linked into
-/// this program.
+/// this program, for editors. The checks of load() and parse() refuse what it refuses, and what no schema can say
+/// (tests/limits/schema_test.cpp).
 [[nodiscard]] nlohmann::json experiment_schema();
-
-/// Where a document breaks that schema, one line each with its JSON path; empty if it is valid.
-[[nodiscard]] std::vector<std::string> schema_errors(const nlohmann::json& document);
 
 }  // namespace aloft::experiment

@@ -1,6 +1,9 @@
 // The only file that includes Valijson, which takes the compiler 10 s.
+#include "common/experiment/schema_validator.hpp"
+
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
@@ -24,6 +27,19 @@ std::string json_path(const std::string& context) {
   return path.empty() ? "the file" : path;
 }
 
+/// Numbers as JSON Schema sees them: 5.0 is an integer, and none is too large. Valijson takes 5.0 for none, and reads
+/// whole numbers from 2^63 as negative.
+void make_readable(nlohmann::json& value) {
+  if (value.is_structured()) {
+    for (nlohmann::json& part : value) make_readable(part);
+  } else if (value.is_number_unsigned() && value.get<std::uint64_t>() > INT64_MAX) {
+    value = value.get<double>();
+  } else if (value.is_number_float()) {
+    const auto x = value.get<double>();
+    if (std::fabs(x) < 0x1p63 && x == std::floor(x)) value = static_cast<std::int64_t>(x);
+  }
+}
+
 const valijson::Schema& parsed_schema() {
   static const auto schema = [] {
     auto parsed = std::make_unique<valijson::Schema>();
@@ -39,9 +55,10 @@ const valijson::Schema& parsed_schema() {
 
 std::vector<std::string> schema_errors(const nlohmann::json& document) {
   nlohmann::json readable = document;
-  // Valijson reads whole numbers from 2^63 as negative.
+  // The seed's whole range is allowed.
   if (readable.is_object() && readable.contains("seed") && readable["seed"].is_number_unsigned())
     readable["seed"] = readable["seed"].get<std::uint64_t>() >> 1U;
+  make_readable(readable);
   valijson::Validator validator;
   valijson::ValidationResults results;
   validator.validate(parsed_schema(), valijson::adapters::NlohmannJsonAdapter(readable), &results);

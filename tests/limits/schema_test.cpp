@@ -1,0 +1,258 @@
+// The JSON Schema, by which editors judge experiment files, and the programs' own checks accept and refuse the same
+// files: accepted files are changed in one place, and both are asked.
+#include "common/experiment/schema.hpp"
+
+#include <rapidcheck.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/random.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/experiment/schema_validator.hpp"
+#include "tests/integration/command.hpp"
+#include "tests/limits/random_experiment.hpp"
+
+namespace aloft {
+namespace {
+
+using Json = nlohmann::json;
+using Pointer = Json::json_pointer;
+
+/// What the checks refuse and no schema can say; the messages they do it with. Nothing else may differ.
+bool no_schema_can_say(const std::string& message) {
+  static const std::vector<std::regex> rules{
+      // heights, route and base stations of one world against each other
+      std::regex("height_m(ax|in)_m: .* is below|is no multiple of|does not divide|makes more than .* heights"),
+      std::regex(
+          "leaves the city|is more than half of window_m|is too few for .* candidates|only one in .* cities has"),
+      // names: of which another stands elsewhere, that take too many bytes, or that no terminal should print
+      std::regex(
+          "stands already at|are both named|is in this crew already|is not the agent that has this name elsewhere"),
+      std::regex("is the name of another type|agent name .* is not allowed; use 1 to|printable and on one line"),
+      // parameters of one agent against each other
+      std::regex("replay_capacity .* is smaller than minibatch"),
+      // agents that this program does not know, and another may
+      std::regex("unknown agent|write a number for"),
+      // agents against worlds and against each other
+      std::regex("plans the whole route|looks at .* neighbour cells|would fly from step|would never fly"),
+      std::regex("needs somebody who can take over|cannot be part of a relay|would have to be shown quality"),
+      std::regex("which a crew member cannot|hears only what it is asked|a crew member is one agent"),
+      std::regex("the first member flies from step 1|use more than the .* of an earlier member"),
+      // products of lists
+      std::regex("combinations, but|the sweep has more than|are too many; use at most|bytes when resolved"),
+      // what resolved experiments say of themselves
+      std::regex("swept: .* it stands only in resolved experiments"),
+      // files that are named, and what is in them
+      std::regex("\\.file: |cannot read"),
+      // 5.0 and 5 are one number to JSON Schema; a seed has 64 bits, which only the second form holds
+      std::regex("seed: -?[0-9]+[.e][0-9.e+]* is not allowed"),
+  };
+  return std::any_of(rules.begin(), rules.end(),
+                     [&](const std::regex& rule) { return std::regex_search(message, rule); });
+}
+
+std::optional<std::string> refusal_by_checks(const Json& document) {
+  try {
+    (void)experiment::parse(document.dump(), "it");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+class Mutations {
+ public:
+  explicit Mutations(std::uint64_t seed) : random_(seed, 0, "mutations") {}
+
+  bool chance(double probability) { return random_.uniform() < probability; }
+  template <class T>
+  const T& one_of(const std::vector<T>& values) {
+    return values[random_.uniform_index(static_cast<std::uint32_t>(values.size()))];
+  }
+
+  /// Forms that random experiments do not have.
+  void enrich(Json& file) {
+    if (chance(0.3)) file["$schema"] = "experiment.schema.json";
+    if (chance(0.3)) file["build"] = "0.1.0";
+    if (chance(0.3)) file["description"] = "text";
+    Json& world = file["world"];
+    if (chance(0.3)) world["name"] = "Feld bei Köln";
+    if (chance(0.5)) list_a_value(world);
+    for (Json& agent : file["agents"])
+      if (chance(0.3)) list_a_value(agent);
+    if (chance(0.3)) file["agents"].push_back("constant-120");
+    if (chance(0.3)) file["agents"].push_back({{"type", "external"}, {"name", "mine"}});
+    if (chance(0.4)) {
+      const Json constant{{"type", "constant"}, {"name", "constant-60.5"}, {"height_m", 60.5}};
+      file["agents"].push_back({{"type", "relay"}, {"name", "crew"}, {"crew", Json::array()}});
+      file["agents"].back()["crew"] = {{{"agent", "min-height"}, {"shadow", true}},
+                                       {{"agent", constant}, {"from_step", 2}}};
+    }
+    if (chance(0.1)) file["on_agent_loss"] = "failover";
+    if (chance(0.4)) {
+      file["worlds"] = Json::array({file["world"]});
+      file.erase("world");
+    }
+  }
+
+  /// Changes one place of the file.
+  void mutate(Json& file) {
+    std::vector<Pointer> places;
+    collect(file, Pointer(), places);
+    const Pointer place = one_of(places);
+    Json& value = file[place];
+    const auto kind = random_.uniform_index(8);
+    if (kind == 0 && !place.empty()) return remove(file, place);
+    if (kind == 1 && value.is_object()) return add_key(value);
+    if (kind == 2 && value.is_array())
+      return value.push_back(value.empty() || chance(0.3) ? strange_value() : one_element(value));
+    if (kind == 3) return void(value = Json::array({value}));
+    if (kind == 4) return void(value = Json::array({value, strange_value()}));
+    if (kind <= 6 && value.is_number()) return void(value = other_number(value));
+    value = strange_value();
+  }
+
+ private:
+  static void collect(const Json& value, const Pointer& place, std::vector<Pointer>& places) {
+    places.push_back(place);
+    if (value.is_array())
+      for (std::size_t i = 0; i < value.size(); ++i) collect(value[i], place / i, places);
+    if (value.is_object())
+      for (const auto& [key, entry] : value.items()) collect(entry, place / key, places);
+  }
+
+  static void collect_words(const Json& schema, std::vector<std::string>& keys, std::vector<std::string>& choices) {
+    if (schema.is_object() && schema.contains("properties") && schema["properties"].is_object())
+      for (const auto& [key, unused] : schema["properties"].items()) keys.push_back(key);
+    if (schema.is_object() && schema.contains("enum"))
+      choices.insert(choices.end(), schema["enum"].begin(), schema["enum"].end());
+    if (schema.is_structured())
+      for (const Json& part : schema) collect_words(part, keys, choices);
+  }
+
+  struct Words {
+    std::vector<std::string> keys{"unknown", "", "Trials"};
+    std::vector<std::string> choices{"",    "x",          "a b",      "ä",        "min-height", "constant-60",
+                                     "dqn", "constant-x", "measured", "generated"};
+  };
+  static const Words& words() {
+    static const Words all = [] {
+      Words words;
+      collect_words(experiment::experiment_schema(), words.keys, words.choices);
+      return words;
+    }();
+    return all;
+  }
+
+  /// A value becomes a list of it alone: the same experiment, written as a sweep.
+  void list_a_value(Json& object) {
+    std::vector<std::string> keys;
+    if (object.is_object())
+      for (const auto& [key, value] : object.items())
+        if (key != "kind" && key != "name" && key != "type") keys.push_back(key);
+    if (keys.empty()) return;
+    Json& value = object[one_of(keys)];
+    value = Json::array({value});
+  }
+
+  static void remove(Json& file, const Pointer& place) {
+    Json& parent = file[place.parent_pointer()];
+    if (parent.is_array()) parent.erase(static_cast<std::size_t>(std::stoul(place.back())));
+    if (parent.is_object()) parent.erase(place.back());
+  }
+
+  void add_key(Json& object) { object[one_of(words().keys)] = strange_value(); }
+
+  const Json& one_element(const Json& list) {
+    return list[random_.uniform_index(static_cast<std::uint32_t>(list.size()))];
+  }
+
+  Json other_number(const Json& value) {
+    static const std::vector<double> factors{-1, 0, 0.5, 2, 1000, 1e9, 1e-9};
+    if (chance(0.2)) return value.get<double>();  // the same, written as 5.0
+    if (chance(0.2)) return value.get<double>() + 0.5;
+    if (chance(0.5) && value.is_number_integer())
+      return static_cast<std::int64_t>(value.get<double>() * 0.5 * one_of(factors));
+    return value.get<double>() * one_of(factors);
+  }
+
+  Json strange_value() {
+    static const std::vector<Json> values{nullptr,
+                                          true,
+                                          false,
+                                          0,
+                                          1,
+                                          2,
+                                          -1,
+                                          0.5,
+                                          3.0,
+                                          1e3,
+                                          -0.0,
+                                          1e300,
+                                          -1e300,
+                                          INT64_MAX,
+                                          INT64_MIN,
+                                          UINT64_MAX,
+                                          0x1p63,
+                                          0x1p64,
+                                          Json::array(),
+                                          Json::object(),
+                                          Json::array({1}),
+                                          Json::array({1, 1}),
+                                          Json::array({1, 1.0}),
+                                          Json::array({Json::array()}),
+                                          Json{{"x", 1}},
+                                          std::string(64, 'a'),
+                                          std::string(65, 'a'),
+                                          std::string(200, 'a'),
+                                          std::string(201, 'a'),
+                                          "two\nlines"};
+    return chance(0.4) ? Json(one_of(words().choices)) : one_of(values);
+  }
+
+  RandomStream random_;
+};
+
+}  // namespace
+
+TEST_CASE("the schema and the checks accept and refuse the same files") {
+  const test::ScratchDir scratch;
+  int accepted = 0;
+  int refused_by_both = 0;
+  int refused_by_checks = 0;
+  const auto both_accept = [&](const Json& file) {
+    const std::vector<std::string> by_schema = experiment::schema_errors(file);
+    const std::optional<std::string> by_checks = refusal_by_checks(file);
+    if (!by_schema.empty() && !by_checks) RC_FAIL("only the schema refuses " + file.dump() + ": " + by_schema.front());
+    if (by_schema.empty() && by_checks && !no_schema_can_say(*by_checks))
+      RC_FAIL("only the checks refuse " + file.dump() + ": " + *by_checks);
+    ++(!by_checks ? accepted : by_schema.empty() ? refused_by_checks : refused_by_both);
+    return !by_checks;
+  };
+  const bool same = rc::check([&] {
+    const auto seed = *rc::gen::noShrink(rc::gen::resize(rc::kNominalSize, rc::gen::arbitrary<std::uint64_t>()));
+    Mutations mutations(seed);
+    Json base = test::random_experiment(seed, scratch.path(), true).json;
+    mutations.enrich(base);
+    if (!both_accept(base)) return;
+    if (mutations.chance(0.3)) base = experiment::parse(base.dump(), "it").canonical;
+    for (int i = 0; i < 60; ++i) {
+      Json file = base;
+      mutations.mutate(file);
+      both_accept(file);
+    }
+  });
+  CHECK(same);
+  CHECK(accepted > 200);
+  CHECK(refused_by_both > 1000);
+  CHECK(refused_by_checks > 100);
+}
+
+}  // namespace aloft

@@ -8,16 +8,21 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
+#include "common/base/read_file.hpp"
 #include "common/store/result_store.hpp"
 
 namespace aloft::coordinator {
+namespace {
+
+constexpr std::uint64_t longest_holder_bytes = 4096;
+
+}  // namespace
 
 FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, const LockPatience& patience,
                        const std::function<bool()>& stopped)
@@ -78,8 +83,12 @@ void FolderLock::write(const ProcessName& self) const {
 }
 
 std::string FolderLock::holder() const {
-  std::string line;
-  std::getline(std::ifstream(file_), line);
+  std::string text;
+  try {
+    text = read_file(file_, longest_holder_bytes);
+  } catch (const InputError&) {  // it is gone by now, or nobody's who says so
+  }
+  const std::string line = text.substr(0, text.find('\n'));
   return line.empty() ? "another process" : plain_text(line);
 }
 

@@ -1,6 +1,7 @@
 #include "services/coordinator/folder_lock.hpp"
 
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -54,6 +55,14 @@ TEST_CASE("a folder has one coordinator, and the second is told who it is") {
   }
   CHECK_FALSE(fs::exists(folder / "out"));  // which the lock had made, and nobody used
   CHECK_NOTHROW(FolderLock(folder / "out", beta, none));
+}
+
+TEST_CASE("a lock that is no file names nobody, and holds nobody up") {
+  const Folder folder;
+  fs::create_directory(folder / "out");
+  REQUIRE(mkfifo((folder / "out" / "coordinator.lock").c_str(), 0600) == 0);
+  const FolderLock first(folder / "out", alpha, none);
+  CHECK_THROWS_WITH(FolderLock(folder / "out", beta, none), Contains("has a coordinator already: another process;"));
 }
 
 TEST_CASE("a lock leaves nothing of its own in a folder with results") {

@@ -7,9 +7,12 @@
 #include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
+#include <iostream>
 #include <utility>
 #include <vector>
 
+#include "common/base/error.hpp"
 #include "common/base/terminal.hpp"
 #include "common/base/text_layout.hpp"
 
@@ -142,6 +145,13 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
   text += options_text(*app, false, "Options", width);
   if (!app->get_footer().empty()) text += '\n' + app->get_footer() + '\n';
   return text;
+}
+
+int with_output_written(int exit_code, std::string_view program) {
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
+  if (written) return exit_code;
+  fmt::print(stderr, "{}: cannot write to standard output; is the disk full that it goes to?\n", program);
+  return exit_code == exit_ok ? exit_failure : exit_code;
 }
 
 }  // namespace aloft::runtime

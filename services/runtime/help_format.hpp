@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <CLI/FormatterFwd.hpp>
 #include <string>
+#include <string_view>
 
 namespace aloft::runtime {
 
@@ -12,5 +13,8 @@ class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
 };
+
+/// `exit_code`, or exit_failure if what was written to standard output has not all arrived there; then says so.
+[[nodiscard]] int with_output_written(int exit_code, std::string_view program);
 
 }  // namespace aloft::runtime

@@ -154,7 +154,7 @@ int run_service(int argc, char** argv, const ServiceInfo& info, const std::funct
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    return with_output_written(app.exit(help), info.name);
   } catch (const CLI::ParseError& error) {
     spdlog::error("{}; see {} --help", error.what(), info.name);
     return exit_bad_input;

@@ -211,6 +211,10 @@ TEST_CASE("results that cannot be written to standard output are no success") {
     CHECK(finished.exit_code == 1);
     CHECK_THAT(finished.err, Contains("cannot write"));
   }
+  const Finished service =
+      run_command({"/bin/sh", "-c", (aloft::test::bin_dir() / "aloft-channel").string() + " --help > /dev/full"});
+  CHECK(service.exit_code == 1);
+  CHECK_THAT(service.err, Contains("aloft-channel: cannot write"));
   CHECK(run_command({"aloft", "digest", out}).exit_code == 0);  // what was flown is stored
   const Finished watch =
       run_command({"/bin/sh", "-c", aloft + " status --watch --domain " + test_domain() + " > /dev/full"});

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <iostream>
 
 #include "common/base/build_info.hpp"
 #include "common/base/error.hpp"
@@ -53,14 +52,6 @@ void tell(const std::exception& error) {
   fmt::print(stderr, "aloft: {}\n", aloft::plain_lines(aloft::beginning_of(error.what(), longest)));
 }
 
-/// Standard output is for results: who could not write them has not succeeded.
-int with_output_written(int exit_code) {
-  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
-  if (written) return exit_code;
-  fmt::print(stderr, "aloft: cannot write to standard output; is the disk full that it goes to?\n");
-  return exit_code == aloft::exit_ok ? aloft::exit_failure : exit_code;
-}
-
 /// The commands in the order of the help.
 void add_commands(CLI::App& app, aloft::cli::Job& job) {
   using namespace aloft::cli;
@@ -99,9 +90,9 @@ int main(int argc, char** argv) {
   }
   try {
     app.parse(argc, argv);
-    return with_output_written(job());
+    return aloft::runtime::with_output_written(job(), "aloft");  // standard output is for results
   } catch (const CLI::Success& success) {
-    return with_output_written(app.exit(success));
+    return aloft::runtime::with_output_written(app.exit(success), "aloft");
   } catch (const CLI::ParseError& error) {
     return report_usage_error(app, error, std::vector<std::string>(argv + 1, argv + argc));
   } catch (const aloft::InputError& error) {

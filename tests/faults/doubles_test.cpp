@@ -1,7 +1,6 @@
 // A collector too many, a coordinator too many, beside whole runs as people start them.
 #include <fmt/format.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -16,27 +15,12 @@ using namespace std::chrono_literals;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
-namespace {
-
-std::string own_name(const char* what) {
-  return fmt::format("{}-{}", what, getpid());
-}
-
-int service(const FaultScene& scene, const std::string& name, const Command& run, const std::string& program) {
-  for (const int pid : scene.services(name, run))
-    if (command_line(pid).find(program) != std::string::npos) return pid;
-  FAIL(program << " of " << name << " is not there");
-  return 0;
-}
-
-}  // namespace
-
 TEST_CASE("a second collector beside a run, while the run's own stands still, takes no flight away", "[doubles]") {
   const FaultScene scene(20);
   const std::string name = own_name("two");
   const auto run = scene.start("d1", {"--workers", "2", "--run", name});
   scene.wait_for_flights("d1", *run, 5);
-  const int own = service(scene, "d1", *run, "aloft-metrics");
+  const int own = scene.services("d1", *run, "aloft-metrics").at(0);
   kill(own, SIGSTOP);
   Command second({"aloft", "metrics", scene.experiment().string(), "--run", name, "--domain", test_domain(), "--out",
                   scene.out("d2").string()});
@@ -61,13 +45,12 @@ TEST_CASE("the second of two runs of one name ends at once, names the first, and
   const std::size_t winner = scene.stored(folders[0]) > 0 ? 0 : 1;
   Command& run = *runs[winner];
   const auto learners = [&](int signal) {  // without them it does not end, however late the others hear it
-    for (const int pid : scene.services(folders[winner], run))
-      if (command_line(pid).find("aloft-learning-agent") != std::string::npos) kill(pid, signal);
+    for (const int pid : scene.services(folders[winner], run, "aloft-learning-agent")) kill(pid, signal);
   };
   learners(SIGSTOP);
   runs.push_back(scene.start(folders[2], {"--workers", "2", "--run", name}));  // and one later
   const std::string coordinator =
-      fmt::format("(process {},", service(scene, folders[winner], run, "aloft-coordinator"));
+      fmt::format("(process {},", scene.services(folders[winner], run, "aloft-coordinator").at(0));
   for (const std::size_t loser : {1 - winner, std::size_t{2}}) {
     const Finished refused = runs[loser]->wait();
     CHECK(refused.exit_code == 2);

@@ -1,5 +1,6 @@
 #include "tests/faults/fault_scene.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -64,10 +65,13 @@ void FaultScene::wait_for_flights(const std::string& name, Command& run, int fli
   REQUIRE(there);
 }
 
-std::vector<int> FaultScene::services(const std::string& name, const Command& run) const {
+std::vector<int> FaultScene::services(const std::string& name, const Command& run, const std::string& part) const {
   std::vector<int> pids = processes_with(out(name).string());
   const std::string command = command_line(run.pid());  // a leak checker's helper process has it, too
-  std::erase_if(pids, [&](int pid) { return pid == run.pid() || pid == getpid() || command_line(pid) == command; });
+  std::erase_if(pids, [&](int pid) {
+    const std::string line = command_line(pid);
+    return pid == run.pid() || pid == getpid() || line == command || line.find(part) == std::string::npos;
+  });
   return pids;
 }
 
@@ -82,6 +86,10 @@ void FaultScene::check_finished(const std::string& name, Command& run, std::chro
   CHECK(stored(name) == flights());
   CHECK(digest(name) == reference_);
   CHECK(processes_with(out(name).string()).empty());
+}
+
+std::string own_name(const std::string& what) {
+  return fmt::format("{}-{}", what, getpid());
 }
 
 std::size_t resident_bytes(int pid) {

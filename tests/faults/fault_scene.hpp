@@ -45,8 +45,10 @@ class FaultScene {
   [[nodiscard]] int stored(const std::string& name) const;
   /// Until so many flights are stored or the command ends.
   void wait_for_flights(const std::string& name, Command& run, int flights) const;
-  /// The services of a run: all processes that work for out(name) but the one that was started.
-  [[nodiscard]] std::vector<int> services(const std::string& name, const Command& run) const;
+  /// The services of a run: all processes that work for out(name) but the one that was started, and whose command line
+  /// contains `part`.
+  [[nodiscard]] std::vector<int> services(const std::string& name, const Command& run,
+                                          const std::string& part = "") const;
   [[nodiscard]] std::string log(const std::string& name, const std::string& process) const;
   /// The run ended well and left the same bytes as in process, and no process.
   void check_finished(const std::string& name, Command& run, std::chrono::seconds limit) const;
@@ -57,6 +59,8 @@ class FaultScene {
   std::string reference_;
 };
 
+/// Of a run that no other process of this machine has.
+[[nodiscard]] std::string own_name(const std::string& what);
 /// Resident memory of a process in bytes; 0 if it is gone.
 [[nodiscard]] std::size_t resident_bytes(int pid);
 [[nodiscard]] std::string command_line(int pid);

@@ -92,7 +92,7 @@ int port_of(const FaultScene& scene, const std::string& name) {
 
 TEST_CASE("a thousand slow and idle HTTP clients block nobody and change nothing", "[http]") {
   const FaultScene scene(12);
-  const std::string run = "crowd-" + std::to_string(getpid());
+  const std::string run = own_name("crowd");
   const std::string out = scene.out("crowd").string();
   const auto start = [&](std::vector<std::string> arguments, const std::vector<std::string>& more) {
     arguments.insert(arguments.end(), {"--domain", test_domain()});

@@ -132,7 +132,7 @@ class Pestered {
   }
 
   FaultScene scene_{200};  // long enough for all of it
-  std::string name_ = fmt::format("pestered-{}", getpid());
+  std::string name_ = own_name("pestered");
   std::string experiment_id_ = store::ResultStore::open_for_reading(scene_.out("reference")).experiment().id;
   bus::Participant participant_{place()};
   std::unique_ptr<Command> run_;
@@ -201,8 +201,7 @@ TEST_CASE("100,000 garbage datagrams at the ports of every process", "[messages]
   scene.wait_for_flights(name, *run, scene.flights() / 8);
   const std::vector<int> services = scene.services(name, *run);
   const auto environments = [&](int signal) {
-    for (const int pid : services)
-      if (command_line(pid).find("aloft-environment") != std::string::npos) kill(pid, signal);
+    for (const int pid : scene.services(name, *run, "aloft-environment")) kill(pid, signal);
   };
   // Without worlds the run waits, and what grows now grows because of the garbage.
   environments(SIGSTOP);

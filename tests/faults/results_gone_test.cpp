@@ -1,5 +1,4 @@
 // The result folder is deleted, moved or replaced while a run writes into it: noticed, said, and nothing is lost.
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <functional>
@@ -79,7 +78,7 @@ TEST_CASE("results that are moved, deleted or replaced under a run stop it, and 
 TEST_CASE("a collector that has nothing to store notices within seconds that its folder is gone", "[storage]") {
   const ScratchDir scratch;
   const std::string out = (scratch / "out").string();
-  const std::string run = "gone-" + std::to_string(getpid());
+  const std::string run = own_name("gone");
   const std::vector<std::string> where{
       "data/experiments/quick.json", "--run", run, "--out", out, "--domain", test_domain()};
   const auto start = [&](const std::string& command) {

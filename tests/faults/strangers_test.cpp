@@ -1,6 +1,5 @@
 // Samples that are in order for the bus, and hold what no process of ours would say: experiments that nobody can read,
 // and text that is meant for a terminal.
-#include <fmt/format.h>
 #include <idl/controlPubSubTypes.h>
 #include <idl/flightPubSubTypes.h>
 #include <signal.h>
@@ -22,10 +21,6 @@ using namespace std::chrono_literals;
 using Catch::Matchers::Contains;
 
 namespace {
-
-std::string unique_run(const char* name) {
-  return fmt::format("{}-{}", name, getpid());
-}
 
 bus::BusOptions stranger_in(const std::string& run) {
   return {.run = run, .worker = "w0", .process = "rogue", .domain = std::stoi(test_domain())};
@@ -79,14 +74,13 @@ TEST_CASE("experiments of a stranger that nobody can read keep no process from t
           "[messages]") {
   const FaultScene scene(40);
   const std::string name = "offers";
-  const std::string run_name = unique_run("offers");
+  const std::string run_name = own_name("offers");
   const UnreadableOffers stranger(stranger_in(run_name), experiment_of(scene));
   const auto run = scene.start(name, {"--workers", "1", "--run", run_name});
   scene.wait_for_flights(name, *run, 20);
   // Once more with a coordinator that has spoken long ago.
   std::size_t killed = 0;
-  for (const int pid : scene.services(name, *run)) {
-    if (command_line(pid).find("--worker w0") == std::string::npos) continue;
+  for (const int pid : scene.services(name, *run, "--worker w0")) {
     kill(pid, SIGKILL);
     ++killed;
   }
@@ -108,12 +102,11 @@ TEST_CASE("experiments of a stranger that nobody can read keep no process from t
 TEST_CASE("text from the wire forges no line and commands no terminal", "[messages]") {
   const FaultScene scene;
   const std::string name = "text";
-  const std::string run_name = unique_run("text");
+  const std::string run_name = own_name("text");
   const auto run = scene.start(name, {"--workers", "1", "--run", run_name});
   scene.wait_for_flights(name, *run, 2);
   const auto environment = [&](int signal) {  // without worlds the run waits for us
-    for (const int pid : scene.services(name, *run))
-      if (command_line(pid).find("aloft-environment") != std::string::npos) kill(pid, signal);
+    for (const int pid : scene.services(name, *run, "aloft-environment")) kill(pid, signal);
   };
   environment(SIGSTOP);
   const bus::Participant participant(stranger_in(run_name));

@@ -101,7 +101,7 @@ ParameterSpec text_parameter(std::string name, std::string default_value, std::s
 }
 
 Parameters::Parameters(std::span<const ParameterSpec> table) {
-  for (const ParameterSpec& spec : table) values_.emplace_back(spec.name, spec.default_value);
+  for (const ParameterSpec& spec : table) entries_.push_back({spec.name, spec.default_value, spec.default_is_implied});
 }
 
 Parameters::Parameters(std::span<const ParameterSpec> table, const Json& given, std::string_view where)
@@ -118,13 +118,15 @@ Parameters::Parameters(std::span<const ParameterSpec> table, const Json& given, 
                                    did_you_mean(key, names),
                                    names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
     }
-    values_[i].second = checked(table[i], json, where);
+    Entry& entry = entries_[i];
+    entry.value = checked(table[i], json, where);
+    entry.implied = table[i].default_is_implied && entry.value == table[i].default_value;
   }
 }
 
 const Value& Parameters::value(std::string_view name) const {
-  for (const auto& [key, value] : values_)
-    if (key == name) return value;
+  for (const Entry& entry : entries_)
+    if (entry.name == name) return entry.value;
   throw std::logic_error(fmt::format("no parameter '{}' in this table", name));
 }
 
@@ -141,9 +143,14 @@ const std::string& Parameters::text(std::string_view name) const {
   return std::get<std::string>(value(name));
 }
 
+void Parameters::refuse_choice(std::string_view name) const {
+  throw std::logic_error(fmt::format("parameter '{}' has the unknown value '{}'", name, text(name)));
+}
+
 Json Parameters::to_json() const {
   Json object = Json::object();
-  for (const auto& [key, value] : values_) object[key] = as_json(value);
+  for (const Entry& entry : entries_)
+    if (!entry.implied) object[entry.name] = as_json(entry.value);
   return object;
 }
 

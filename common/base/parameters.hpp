@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
@@ -23,6 +25,15 @@ struct ParameterSpec {
   double minimum = 0.0;  ///< number, integer: inclusive range
   double maximum = 0.0;
   std::vector<std::string> choices;  ///< choice: the allowed values
+  /// Left out of the canonical form while it has its default, so that what was resolved before it existed keeps its id.
+  bool default_is_implied = false;
+};
+
+/// A word that a choice parameter allows, and what it stands for.
+template <typename Meaning>
+struct Choice {
+  std::string_view word;
+  Meaning meaning;
 };
 
 /// Makers for tables.
@@ -33,6 +44,16 @@ struct ParameterSpec {
 [[nodiscard]] ParameterSpec flag_parameter(std::string name, bool default_value, std::string description);
 [[nodiscard]] ParameterSpec choice_parameter(std::string name, std::string default_value,
                                              std::vector<std::string> choices, std::string description);
+/// The first choice is the default.
+template <typename Meaning, std::size_t n>
+[[nodiscard]] ParameterSpec choice_parameter(std::string name, const std::array<Choice<Meaning>, n>& choices,
+                                             std::string description) {
+  std::vector<std::string> words;
+  words.reserve(n);
+  for (const auto& choice : choices) words.emplace_back(choice.word);
+  std::string first = words.front();
+  return choice_parameter(std::move(name), std::move(first), std::move(words), std::move(description));
+}
 [[nodiscard]] ParameterSpec text_parameter(std::string name, std::string default_value, std::string description);
 
 /// Values for every entry of a table, checked: defaults filled in, in the table's order.
@@ -51,14 +72,28 @@ class Parameters {
   [[nodiscard]] bool flag(std::string_view name) const;
   [[nodiscard]] const std::string& text(std::string_view name) const;  ///< a choice or a text
 
-  /// All values, defaults included, keys sorted: the canonical form that ids are made of. Whole numbers are written as
-  /// integers.
+  /// What the word of a choice parameter stands for. Throws std::logic_error for a word that is not among `choices`.
+  template <typename Meaning, std::size_t n>
+  [[nodiscard]] Meaning chosen(std::string_view name, const std::array<Choice<Meaning>, n>& choices) const {
+    for (const auto& choice : choices)
+      if (choice.word == text(name)) return choice.meaning;
+    refuse_choice(name);
+  }
+
+  /// All values, but for defaults that are implied, keys sorted: the canonical form that ids are made of. Whole numbers
+  /// are written as integers.
   [[nodiscard]] nlohmann::json to_json() const;
 
  private:
   using Value = std::variant<bool, double, std::string>;
+  struct Entry {
+    std::string name;
+    Value value;
+    bool implied = false;
+  };
   [[nodiscard]] const Value& value(std::string_view name) const;
-  std::vector<std::pair<std::string, Value>> values_;
+  [[noreturn]] void refuse_choice(std::string_view name) const;
+  std::vector<Entry> entries_;
 };
 
 /// The table as JSON Schema "properties" (type, default, minimum, maximum, enum, description).

@@ -1,5 +1,6 @@
 #include "common/base/parameters.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,26 @@ std::string message_of(const Json& given) {
 }
 
 }  // namespace
+
+TEST_CASE("the word of a choice is parsed by the table that allows it") {
+  enum class Loss { mse, cross_entropy };
+  constexpr std::array<aloft::Choice<Loss>, 2> losses{{{"mse", Loss::mse}, {"cross-entropy", Loss::cross_entropy}}};
+  const std::vector specs{aloft::choice_parameter("loss", losses, "What is minimised.")};
+  CHECK(specs[0].choices == std::vector<std::string>{"mse", "cross-entropy"});
+  CHECK(Parameters(specs).chosen("loss", losses) == Loss::mse);
+  CHECK(Parameters(specs, Json{{"loss", "cross-entropy"}}, "").chosen("loss", losses) == Loss::cross_entropy);
+  constexpr std::array<aloft::Choice<Loss>, 1> fewer{{{"cross-entropy", Loss::cross_entropy}}};
+  CHECK_THROWS_WITH(Parameters(specs).chosen("loss", fewer), "parameter 'loss' has the unknown value 'mse'");
+}
+
+TEST_CASE("an implied default is left out of the canonical form, and any other value stands in it") {
+  std::vector<aloft::ParameterSpec> specs = table;
+  specs[1].default_is_implied = true;
+  CHECK_FALSE(Parameters(specs).to_json().contains("layers"));
+  CHECK_FALSE(Parameters(specs, Json{{"layers", 3}}, "").to_json().contains("layers"));
+  CHECK(Parameters(specs, Json{{"layers", 3}}, "").integer("layers") == 3);
+  CHECK(Parameters(specs, Json{{"layers", 4}}, "").to_json().at("layers") == 4);
+}
 
 TEST_CASE("defaults are filled in and overrides applied") {
   const Parameters parameters(table, Json{{"loss", "cross-entropy"}, {"height_m", 60}}, "agents[0]");

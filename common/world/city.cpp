@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +16,9 @@ namespace {
 
 constexpr double m2_per_km2 = 1e6;
 constexpr int largest_redraws = 100'000;
+
+/// Whether heights are Rayleigh distributed.
+constexpr std::array<Choice<bool>, 2> height_distributions{{{"poisson", false}, {"rayleigh", true}}};
 
 double mean_base_stations(const Parameters& world) {
   const double window_m = world.number("window_m");
@@ -45,7 +49,7 @@ class HeightDistribution {
  public:
   explicit HeightDistribution(const Parameters& world)
       : mean_m_(world.number("building_height_mean_m")),
-        rayleigh_(world.text("building_height_distribution") == "rayleigh") {
+        rayleigh_(world.chosen("building_height_distribution", height_distributions)) {
     if (!rayleigh_) fill_cumulative();
   }
 
@@ -82,7 +86,7 @@ const std::vector<ParameterSpec>& city_parameters() {
       number_parameter("base_station_height_m", 30.0, 1.0, 200.0, "Height of every base station antenna."),
       number_parameter("building_density_per_km2", 200.0, 0.0, 2000.0, "Buildings per km2, on a regular grid."),
       number_parameter("building_width_m", 40.0, 1.0, 500.0, "Width of every building."),
-      choice_parameter("building_height_distribution", "poisson", {"poisson", "rayleigh"},
+      choice_parameter("building_height_distribution", height_distributions,
                        "Distribution of building heights, independent between buildings."),
       number_parameter("building_height_mean_m", 20.0, 0.0, 500.0,
                        "Mean building height; the scale of a Rayleigh distribution is 0.7979 times its mean."),

@@ -1,10 +1,14 @@
 #include "common/world/route.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace aloft::world {
 namespace {
+
+/// Whether the route is known beforehand.
+constexpr std::array<Choice<bool>, 2> route_rules{{{"nearest", true}, {"serving", false}}};
 
 /// y of the base station that is horizontally nearest to (x_m, 0); the first of equals.
 double y_of_nearest_station_m(const City& city, double x_m) {
@@ -25,7 +29,7 @@ double y_of_nearest_station_m(const City& city, double x_m) {
 
 const std::vector<ParameterSpec>& route_parameters() {
   static const std::vector<ParameterSpec> table = {
-      choice_parameter("route", "nearest", {"nearest", "serving"},
+      choice_parameter("route", route_rules,
                        "Rule for y: that of the nearest base station, or stepwise towards the serving one."),
       integer_parameter("steps", 100, 1, 10'000, "Actions in a flight; the route has one point more."),
       number_parameter("route_start_x_m", -505.0, -5000.0, 5000.0, "x of the first route point."),
@@ -40,7 +44,7 @@ Route::Route(const Parameters& world, const City& city)
     : start_x_m_(world.number("route_start_x_m")),
       spacing_m_(world.number("route_spacing_m")),
       offset_max_m_(world.number("route_offset_max_m")),
-      fixed_(world.text("route") == "nearest"),
+      fixed_(world.chosen("route", route_rules)),
       nearest_y_m_(static_cast<std::size_t>(world.integer("steps")) + 1) {
   if (fixed_)
     for (std::uint32_t point = 0; point <= steps(); ++point)

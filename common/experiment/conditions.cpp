@@ -136,7 +136,8 @@ class WorldExpansion {
     Condition condition{index, name_, Json::object(), kind_, {}};
     condition.world = kind_ == WorldKind::generated ? radio::resolve_generated_world(given, where_)
                                                     : resolve_measured_world(given, where_, files_);
-    const Json all = condition.world.to_json();
+    Json all = condition.world.to_json();
+    all.insert(given.begin(), given.end());  // a default that is implied, but swept
     for (const std::string& key : swept_) {
       condition.parameters[key] = all.at(key);
       if (!name_is_final_)
@@ -210,7 +211,10 @@ Json canonical_world(const Condition& condition) {
   world["kind"] = condition.kind == WorldKind::generated ? "generated" : "measured";
   world["name"] = condition.name;
   Json swept = Json::array();
-  for (const auto& item : condition.parameters.items()) swept.push_back(item.key());
+  for (const auto& [key, value] : condition.parameters.items()) {
+    swept.push_back(key);
+    world[key] = value;
+  }
   world["swept"] = std::move(swept);
   return world;
 }

@@ -94,6 +94,15 @@ TEST_CASE("presets sweep like any value, and change the defaults of their condit
   CHECK(experiment.conditions[1].world.text("los_ray") == "geometric");
 }
 
+TEST_CASE("the default channel model is implied, but can be swept") {
+  const Experiment implied = parsed(R"("world": {})");
+  CHECK_FALSE(implied.canonical["worlds"][0].contains("propagation"));
+  CHECK(parsed(R"("world": {"propagation": "power-law"})").canonical == implied.canonical);
+  const Experiment swept = parsed(R"("world": {"propagation": ["power-law"]})");
+  CHECK(condition_names(swept) == std::vector<std::string>{"propagation=power-law"});
+  CHECK(parse(swept.canonical.dump(), "canonical").canonical == swept.canonical);
+}
+
 TEST_CASE("several worlds each have their own sweep; names tell them apart") {
   const Flight flight;
   const Experiment experiment = parse(R"({"name": "test", "trials": 2, "agents": ["min-height"], "worlds": [

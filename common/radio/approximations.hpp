@@ -59,6 +59,11 @@ namespace aloft::radio {
   return series * std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023U) << 52U);
 }
 
+/// 10^x for |x| < 307.
+[[gnu::always_inline]] inline double power_of_ten(double x) noexcept {
+  return exp2(x * (std::numbers::ln10 / std::numbers::ln2));
+}
+
 /// cos(pi s) for |s| <= 1. Absolute error < 1e-15, relative error near the zeros at +-1/2 too.
 /// cos(pi s) = sin(pi t) with t = 1/2 - |s|; Taylor series up to (pi t)^21.
 [[gnu::always_inline]] inline double cos_pi(double s) noexcept {

@@ -27,11 +27,13 @@ ColumnBuilder::ColumnBuilder(const Scene& scene, const Fading& fading)
       sinr_(std::size_t{ranks_} * width_),
       slots_(scene.stations()),
       interference_w_(width_) {
-  for (std::uint32_t i = 0; i < width_; ++i) rise_m_.push_back(scene.rise_m(i));
+  for (std::uint32_t i = 0; i < width_; ++i) {
+    height_m_.push_back(scene.heights().height_m(i));
+    rise_m_.push_back(scene.rise_m(i));
+  }
 }
 
 std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position position) {
-  position_ = position;
   scene_.look_around(position, around_);
   first_los_.assign(scene_.stations(), std::nullopt);
   power_known_.assign(scene_.stations(), 0);
@@ -46,7 +48,7 @@ std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position p
 
 std::uint32_t ColumnBuilder::first_los(std::uint32_t k) {
   auto& known = first_los_[k];
-  if (!known) known = scene_.first_los(scene_.blocking_height_m(position_, k));
+  if (!known) known = scene_.first_los(scene_.link_model().blocking_height_m(Scene::link(around_, k)));
   return *known;
 }
 
@@ -54,7 +56,7 @@ const double* ColumnBuilder::power_w(std::uint32_t k) {
   std::vector<double>& row = power_w_[k];
   if (power_known_[k] == 0) {
     row.resize(width_);
-    received_power_row(scene_.model(), around_.links[k].distance_m, rise_m_, first_los(k), row.data());
+    scene_.received_power_row(around_, k, height_m_, rise_m_, first_los(k), row.data());
     power_known_[k] = 1;
   }
   return row.data();
@@ -73,14 +75,16 @@ void ColumnBuilder::rank_strongest() {
       rank_station_row(k, {power_w(k), heights_}, ranks_, width_, ranked_power_w_.data(), ranked_.data(), moving_);
 }
 
-/// False if even the greatest power possible at its distance does not suffice, with and without line of sight.
+/// False if even the greatest power possible on its link does not suffice, with and without line of sight.
 bool ColumnBuilder::may_be_among_strongest(std::uint32_t k) {
   const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
-  const double distance_m = around_.links[k].distance_m;
-  const double los_w = power_bound_w(scene_.model(), distance_m, scene_.model().path_exponent_los);
-  const double nlos_w = power_bound_w(scene_.model(), distance_m, scene_.model().path_exponent_nlos);
+  const auto may_be = [&](std::span<const double> among_w, bool line_of_sight) {
+    if (among_w.empty()) return false;
+    const double gain_bound = scene_.link_model().gain_bound(Scene::link(around_, k), line_of_sight);
+    return any_at_most(among_w, power_bound_w(scene_.model(), gain_bound));
+  };
   const std::uint32_t los = std::min(first_los(k), heights_);
-  return any_at_most({weakest_w, los}, nlos_w) || any_at_most({weakest_w + los, heights_ - los}, los_w);
+  return may_be({weakest_w, los}, false) || may_be({weakest_w + los, heights_ - los}, true);
 }
 
 /// All stations are wanted at every height: the same order by sorting.
@@ -113,7 +117,6 @@ void ColumnBuilder::compute_sinr(std::uint32_t point, std::uint32_t c) {
   fading_.want(point, c, c, blocks_);
   disturbed_blocks_.clear();
   disturber_w_.clear();
-  disturbs_.clear();
   for (std::uint32_t k = 0; k < scene_.stations(); ++k)
     if (scene_.can_interfere(around_, c, k)) add_interferer(point, c, k);
   const std::span<const double> fading = fading_.take(point);
@@ -154,7 +157,7 @@ void ColumnBuilder::select_blocks(std::uint32_t c) {
 /// Notes the blocks of c in which k disturbs, and asks for its fading there.
 void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::uint32_t k) {
   const std::size_t first = disturbed_blocks_.size();
-  disturbs_.resize(first * lanes + wanted_.size());
+  disturbs_.resize(std::max(disturbs_.size(), first * lanes + wanted_.size()));
   double* const rows = disturbs_.data() + first * lanes;
   disturbance_row(around_.links[k].distance_m, wanted_, nearest_m_.data(), farthest_m_.data(), rows);
   std::size_t disturbed = 0;
@@ -165,7 +168,6 @@ void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::ui
     if (disturbed != b) std::copy_n(row, lanes, rows + disturbed * lanes);
     ++disturbed;
   }
-  disturbs_.resize((first + disturbed) * lanes);
   if (disturbed == 0) return;
   disturber_w_.resize(first + disturbed, power_w(k));
   fading_.want(point, c, k, std::span(disturbed_blocks_).subspan(first));

@@ -40,9 +40,9 @@ class ColumnBuilder {
   std::uint32_t heights_;
   std::uint32_t width_;  // heights_, rounded up to whole fading blocks: rows of all tables below
   std::uint32_t ranks_;
+  std::vector<double> height_m_;
   std::vector<double> rise_m_;
 
-  world::Position position_;
   Surroundings around_;
   // Per base station, worked out when first needed at this position.
   std::vector<std::optional<std::uint32_t>> first_los_;
@@ -68,7 +68,7 @@ class ColumnBuilder {
   std::vector<double> farthest_m_;
   std::vector<double> interference_w_;  // [height]
   // Of its interferers, one after the other: blocks with at least one height where one disturbs; its powers over all
-  // heights; 1 or 0 per height of the block.
+  // heights; 1 or 0 per height of the block, and what is left of longer rows behind that.
   std::vector<std::uint32_t> disturbed_blocks_;
   std::vector<const double*> disturber_w_;
   std::vector<double> disturbs_;

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
-#include "common/radio/reading.hpp"
+#include "common/radio/models/link_model.hpp"
+#include "common/radio/radio_model.hpp"
 #include "common/world/city.hpp"
 #include "common/world/route.hpp"
 
@@ -28,53 +31,69 @@ const std::vector<ParameterSpec>& height_parameters() {
   return table;
 }
 
-const std::vector<ParameterSpec>& radio_parameters() {
-  static const std::vector<ParameterSpec> table = {
-      choice_parameter("los_ray", "published", {"published", "geometric"},
-                       "Ray of line of sight: reversed as in the published simulator, or from the UAV to the mast."),
-      choice_parameter("uav_antenna", "directional", {"directional", "omnidirectional"},
-                       "UAV antenna: a beam that points at the base station, or all directions with gain 1."),
-      number_parameter("uav_beamwidth_deg", 45.0, 1.0, 170.0, "Beamwidth of the directional UAV antenna."),
-      choice_parameter("bs_antenna", "array", {"array", "sector"},
-                       "Base station antenna: vertical array of 8 elements, or one rectangular sector, steered at the "
-                       "UAV it serves, and else at a fixed random azimuth."),
-      number_parameter("bs_beamwidth_deg", 45.0, 1.0, 170.0, "Beamwidth of a base station's sector."),
-      choice_parameter("path_distance", "slant", {"slant", "horizontal"}, "Distance that path loss counts."),
-      number_parameter("path_exponent_los", 2.1, 1.0, 8.0, "Path loss exponent with line of sight."),
-      number_parameter("path_exponent_nlos", 4.0, 1.0, 8.0, "Path loss exponent without line of sight."),
-      choice_parameter("fading", "independent", {"independent", "none", "correlated"},
-                       "Rayleigh fading per route point, height, candidate and transmitter: independent, none, or "
-                       "correlated over height."),
-      number_parameter("fading_correlation", 1.0, 0.0, 1.0,
-                       "Fading `correlated`: correlation of amplitudes 1 m of height apart; 1 is constant."),
-      choice_parameter("serving_selection", "best-of-candidates", {"best-of-candidates", "best-of-all"},
-                       "Serving cell: best SINR of the candidates, or of all base stations."),
-      integer_parameter("candidates", 5, 1, 50, "Candidates: so many base stations with the largest received power."),
-      integer_parameter("neighbours", 4, 0, static_cast<double>(max_neighbours),
-                        "Neighbours whose SINR the UAV reports, strongest first."),
-      number_parameter("interferer_distance_max_m", 3000.0, 1.0, 20'000.0,
-                       "Farthest interferer while the directional UAV antenna points near the horizon."),
-      number_parameter("tx_power_w", 40.0, 0.001, 1000.0, "Transmit power of every base station."),
-      number_parameter("carrier_ghz", 3.5, 0.1, 100.0, "Carrier frequency."),
-      number_parameter("bandwidth_mhz", 20.0, 0.1, 2000.0, "Bandwidth that noise is counted in."),
-      number_parameter("noise_figure_db", 10.0, 0.0, 30.0, "Noise figure of the receiver."),
+/// A named set of defaults: what it changes against the tables.
+struct Preset {
+  std::string name;
+  Json changes;
+};
+
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> all{
+      {"published", Json::object()},
+      {"paper-text",
+       {{"los_ray", "geometric"},
+        {"uav_antenna", "omnidirectional"},
+        {"bs_antenna", "sector"},
+        {"path_distance", "horizontal"},
+        {"fading", "none"},
+        {"serving_selection", "best-of-all"}}},
+      {"geometric",
+       {{"los_ray", "geometric"},
+        {"building_height_distribution", "rayleigh"},
+        {"building_height_mean_m", 25.0663},  // of a Rayleigh distribution with scale 20 m
+        {"fading", "correlated"},
+        {"fading_correlation", 1.0}}},
   };
-  return table;
+  return all;
 }
 
-/// What a preset changes against `published`.
-Json preset_defaults(const std::string& preset) {
-  if (preset == "paper-text")
-    return {{"los_ray", "geometric"}, {"uav_antenna", "omnidirectional"},
-            {"bs_antenna", "sector"}, {"path_distance", "horizontal"},
-            {"fading", "none"},       {"serving_selection", "best-of-all"}};
-  if (preset == "geometric")  // the mean of a Rayleigh distribution with scale 20 m is 25.0663 m
-    return {{"los_ray", "geometric"},
-            {"building_height_distribution", "rayleigh"},
-            {"building_height_mean_m", 25.0663},
-            {"fading", "correlated"},
-            {"fading_correlation", 1.0}};
-  return Json::object();
+ParameterSpec preset_parameter() {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets()) names.push_back(preset.name);
+  return choice_parameter("preset", "published", std::move(names), "Named set of defaults for the other parameters.");
+}
+
+/// Worlds from before there was a choice have the model that is implied.
+ParameterSpec propagation_parameter() {
+  std::vector<std::string> names;
+  for (const LinkModelType& model : link_model_types()) names.push_back(model.name);
+  ParameterSpec spec = choice_parameter("propagation", "power-law", std::move(names),
+                                        "Channel model: line of sight, and mean gain with and without it.");
+  spec.default_is_implied = true;
+  return spec;
+}
+
+std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
+  std::vector<ParameterSpec> all{preset_parameter()};
+  const auto append = [&all](const std::vector<ParameterSpec>& part) {
+    all.insert(all.end(), part.begin(), part.end());
+  };
+  append(world::city_parameters());
+  append(world::route_parameters());
+  append(height_parameters());
+  all.push_back(propagation_parameter());
+  for (const LinkModelType& model : models) append(model.parameters);
+  append(radio_parameters());
+  return all;
+}
+
+/// The preset's changes, as far as worlds with this table have such parameters.
+Json preset_defaults(const std::string& name, std::span<const ParameterSpec> table) {
+  const auto preset = std::find_if(presets().begin(), presets().end(), [&](const Preset& p) { return p.name == name; });
+  Json defaults = Json::object();
+  for (const ParameterSpec& spec : table)
+    if (preset->changes.contains(spec.name)) defaults[spec.name] = preset->changes[spec.name];
+  return defaults;
 }
 
 bool is_multiple(double value, double of) {
@@ -137,21 +156,19 @@ void check_route_and_stations(const Parameters& world, std::string_view where) {
 }  // namespace
 
 const std::vector<ParameterSpec>& generated_world_parameters() {
-  static const std::vector<ParameterSpec> table = [] {
-    std::vector<ParameterSpec> all{choice_parameter("preset", "published", {"published", "paper-text", "geometric"},
-                                                    "Named set of defaults for the other parameters.")};
-    for (const auto* part :
-         {&world::city_parameters(), &world::route_parameters(), &height_parameters(), &radio_parameters()})
-      all.insert(all.end(), part->begin(), part->end());
-    return all;
-  }();
+  static const std::vector<ParameterSpec> table = table_with(link_model_types());
   return table;
 }
 
+std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model) {
+  return table_with(std::span(&model, 1));
+}
+
 Parameters resolve_generated_world(const Json& given, std::string_view where) {
-  const auto& table = generated_world_parameters();
-  const Parameters checked(table, given, where);  // every error in what was given, before anything is merged
-  Json merged = preset_defaults(checked.text("preset"));
+  // Every error in what was given, before anything is merged.
+  const Parameters checked(generated_world_parameters(), given, where);
+  const std::vector<ParameterSpec> table = generated_world_parameters(link_model_type(checked.text("propagation")));
+  Json merged = preset_defaults(checked.text("preset"), table);
   merged.update(given);
   if (!merged.contains("route_offset_max_m"))
     merged["route_offset_max_m"] = std::min(1000.0, checked.number("height_step_m"));

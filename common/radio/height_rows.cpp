@@ -9,16 +9,11 @@
 namespace aloft::radio {
 namespace {
 
-template <BsAntenna antenna, PathDistance path>
-[[gnu::always_inline]] inline void power_segment(const RadioModel* model, double distance_m, const double* rise_m,
-                                                 std::size_t size, double path_exponent, double* power_w) {
-  if (path_exponent == 4.0) {  // the exponent known to the compiler: path_gain() without its branch
-    for (std::size_t i = 0; i < size; ++i)
-      power_w[i] = received_power_w<antenna, path>(*model, distance_m, rise_m[i], 4.0);
-  } else {
-    for (std::size_t i = 0; i < size; ++i)
-      power_w[i] = received_power_w<antenna, path>(*model, distance_m, rise_m[i], path_exponent);
-  }
+template <BsAntenna antenna>
+[[gnu::always_inline]] inline void power_loop(const RadioModel* model, double distance_m, const double* rise_m,
+                                              std::size_t size, double* gain_to_power_w) {
+  for (std::size_t i = 0; i < size; ++i)
+    gain_to_power_w[i] = received_power_w<antenna>(*model, distance_m, rise_m[i], gain_to_power_w[i]);
 }
 
 [[gnu::always_inline]] inline void limits_loop(const RadioModel* model, double distance_m, const double* rise_m,
@@ -109,26 +104,14 @@ template <BsAntenna antenna, PathDistance path>
   }
 }
 
-template <BsAntenna antenna, PathDistance path>
-void power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, std::uint32_t first_los,
-               double* power_w) {
-  run_vectorised<power_segment<antenna, path>>(&model, distance_m, rise_m.data(), std::size_t{first_los},
-                                               model.path_exponent_nlos, power_w);
-  run_vectorised<power_segment<antenna, path>>(&model, distance_m, rise_m.data() + first_los, rise_m.size() - first_los,
-                                               model.path_exponent_los, power_w + first_los);
-}
-
 }  // namespace
 
 void received_power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m,
-                        std::uint32_t first_los, double* power_w) {
-  const bool slant = model.path_distance == PathDistance::slant;
+                        double* gain_to_power_w) {
   if (model.bs_antenna == BsAntenna::array)
-    (slant ? power_row<BsAntenna::array, PathDistance::slant>
-           : power_row<BsAntenna::array, PathDistance::horizontal>)(model, distance_m, rise_m, first_los, power_w);
+    run_vectorised<power_loop<BsAntenna::array>>(&model, distance_m, rise_m.data(), rise_m.size(), gain_to_power_w);
   else
-    (slant ? power_row<BsAntenna::sector, PathDistance::slant>
-           : power_row<BsAntenna::sector, PathDistance::horizontal>)(model, distance_m, rise_m, first_los, power_w);
+    run_vectorised<power_loop<BsAntenna::sector>>(&model, distance_m, rise_m.data(), rise_m.size(), gain_to_power_w);
 }
 
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,

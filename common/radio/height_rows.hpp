@@ -10,9 +10,9 @@
 /// vectorisation. Each element has the bits that the formula gives alone.
 namespace aloft::radio {
 
-/// Received power of one base station at every rise; line of sight from index `first_los` on.
+/// received_power_w() at every rise: `gain_to_power_w` holds the channel model's gains before and powers after.
 void received_power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m,
-                        std::uint32_t first_los, double* power_w);
+                        double* gain_to_power_w);
 
 /// beam_limits() at every rise.
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,

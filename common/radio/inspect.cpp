@@ -65,16 +65,16 @@ class Explainer {
  private:
   [[nodiscard]] StationExplanation station(std::uint32_t k) const {
     const Link& link = around_.links[k];
-    const RadioModel& model = scene_.model();
     StationExplanation result;
     result.station = k;
     result.distance_m = link.distance_m;
     result.azimuth_deg = std::atan2(link.dy_m, link.dx_m) * (180.0 / std::numbers::pi);
-    result.blocking_height_m = scene_.blocking_height_m(position_, k);
+    result.blocking_height_m = scene_.link_model().blocking_height_m(Scene::link(around_, k));
     result.line_of_sight = height_ >= scene_.first_los(result.blocking_height_m);
-    result.received_power_w =
-        received_power_w(model, link.distance_m, scene_.rise_m(height_),
-                         result.line_of_sight ? model.path_exponent_los : model.path_exponent_nlos);
+    const double height_m = scene_.heights().height_m(height_);
+    const double rise_m = scene_.rise_m(height_);
+    scene_.received_power_row(around_, k, std::span(&height_m, 1), std::span(&rise_m, 1), result.line_of_sight ? 0 : 1,
+                              &result.received_power_w);
     return result;
   }
 

@@ -1,9 +1,13 @@
 #pragma once
 
-#include "common/radio/radio_model.hpp"
+#include <cstdint>
+
 #include "common/world/world.hpp"
 
 namespace aloft::radio {
+
+/// The published simulator's ray is reversed: see blocking_height_m.
+enum class LosRay : std::uint8_t { published, geometric };
 
 /// The height, m, below which a UAV above `uav` has no line of sight to a base station at `station`; from this height
 /// on it has. Equal to the base stations' height if no building is in the way.

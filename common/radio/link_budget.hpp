@@ -28,40 +28,16 @@ struct Link {
   return 8.0 * (product * product);
 }
 
-/// distance^-exponent, from the squared distance in m^2. Exponent 4, the most frequent, needs no logarithm.
-[[gnu::always_inline]] inline double path_gain(double distance2_m2, double exponent) noexcept {
-  if (exponent == 4.0) {
-    const double inverse = 1.0 / distance2_m2;
-    return inverse * inverse;
-  }
-  return exp2((-0.5 / std::numbers::ln2) * exponent * natural_log(distance2_m2));
-}
-
-/// Mean received power, W, before fading: p = P G K g(s) D^-alpha. A base station with a sector points it at the UAV.
-/// Distances below 1 m count as 1 m.
-template <BsAntenna antenna, PathDistance path>
+/// Mean received power, W, before fading: p = P G K g(s) x `gain`, the gain of the channel model. A base station with a
+/// sector points it at the UAV. Distances below 1 m count as 1 m.
+template <BsAntenna antenna>
 [[gnu::always_inline]] inline double received_power_w(const RadioModel& model, double distance_m, double rise_m,
-                                                      double path_exponent) noexcept {
-  const double horizontal2_m2 = distance_m * distance_m;
-  const double sum_m2 = horizontal2_m2 + rise_m * rise_m;
+                                                      double gain) noexcept {
+  const double sum_m2 = distance_m * distance_m + rise_m * rise_m;
   const double slant2_m2 = sum_m2 < 1.0 ? 1.0 : sum_m2;
-  const double path2_m2 = path == PathDistance::slant ? slant2_m2 : (horizontal2_m2 < 1.0 ? 1.0 : horizontal2_m2);
   const double antenna_gain =
       antenna == BsAntenna::array ? array_gain(rise_m * rise_m * (1.0 / slant2_m2)) : model.sector_gain;
-  return model.link_gain_w * antenna_gain * path_gain(path2_m2, path_exponent);
-}
-
-/// The same for the antenna and distance that `model` names.
-[[nodiscard]] inline double received_power_w(const RadioModel& model, double distance_m, double rise_m,
-                                             double path_exponent) noexcept {
-  const bool slant = model.path_distance == PathDistance::slant;
-  if (model.bs_antenna == BsAntenna::array)
-    return slant
-               ? received_power_w<BsAntenna::array, PathDistance::slant>(model, distance_m, rise_m, path_exponent)
-               : received_power_w<BsAntenna::array, PathDistance::horizontal>(model, distance_m, rise_m, path_exponent);
-  return slant
-             ? received_power_w<BsAntenna::sector, PathDistance::slant>(model, distance_m, rise_m, path_exponent)
-             : received_power_w<BsAntenna::sector, PathDistance::horizontal>(model, distance_m, rise_m, path_exponent);
+  return model.link_gain_w * antenna_gain * gain;
 }
 
 /// Horizontal distances of the base stations that the UAV's beam covers while it points at one at `distance_m`.
@@ -87,14 +63,14 @@ struct BeamLimits {
           above <= 0.0 ? model.interferer_distance_max_m : (below > 0.0 ? farthest_m : rise_m)};
 }
 
-/// No base station at this horizontal distance is received with more power than this, W, over a path with this
-/// exponent.
-[[nodiscard]] inline double power_bound_w(const RadioModel& model, double distance_m, double path_exponent) noexcept {
+/// What pruning allows for rounding, beyond the channel model's bound of the gain.
+inline constexpr double bound_rounding = 1.0 + 1e-9;
+
+/// No base station whose gain is at most `gain_bound` is received with more power than this, W.
+[[nodiscard]] inline double power_bound_w(const RadioModel& model, double gain_bound) noexcept {
   constexpr double array_peak = 8.0;
-  constexpr double rounding = 1.0 + 1e-9;
-  const double gain = model.bs_antenna == BsAntenna::array ? array_peak : model.sector_gain;
-  const double distance2_m2 = distance_m < 1.0 ? 1.0 : distance_m * distance_m;
-  return rounding * model.link_gain_w * gain * path_gain(distance2_m2, path_exponent);
+  const double antenna_gain = model.bs_antenna == BsAntenna::array ? array_peak : model.sector_gain;
+  return bound_rounding * model.link_gain_w * antenna_gain * gain_bound;
 }
 
 /// Whether the azimuths of two base stations, seen from the UAV, differ by less than half the UAV's beamwidth.

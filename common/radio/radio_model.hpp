@@ -1,26 +1,26 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/base/parameters.hpp"
 
 namespace aloft::radio {
 
-enum class LosRay : std::uint8_t { published, geometric };
 enum class UavAntenna : std::uint8_t { directional, omnidirectional };
 enum class BsAntenna : std::uint8_t { array, sector };
-enum class PathDistance : std::uint8_t { slant, horizontal };
 enum class FadingKind : std::uint8_t { independent, none, correlated };
 enum class ServingSelection : std::uint8_t { best_of_candidates, best_of_all };
 
-/// The radio part of a generated world's parameters, with what follows from them worked out once.
+/// Of every generated world, whatever its channel model.
+[[nodiscard]] const std::vector<ParameterSpec>& radio_parameters();
+
+/// The values of radio_parameters(), with what follows from them worked out once.
 struct RadioModel {
   explicit RadioModel(const Parameters& world);
 
-  LosRay los_ray;
   UavAntenna uav_antenna;
   BsAntenna bs_antenna;
-  PathDistance path_distance;
   FadingKind fading;
   ServingSelection serving_selection;
   std::uint32_t candidates;
@@ -31,8 +31,6 @@ struct RadioModel {
                               ///< station's antenna
   double noise_w;             ///< thermal noise in the band, with the noise figure
   double sector_gain;         ///< of a base station's rectangular sector, inside
-  double path_exponent_los;   ///< power falls with distance^-exponent
-  double path_exponent_nlos;  ///< likewise, with a building in between
   double fading_correlation;  ///< of the amplitudes at adjacent heights of the table
   double uav_half_beam_cos;   ///< cosine and tangent of half the beamwidth
   double uav_half_beam_tan;

@@ -9,7 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 #include "common/base/random.hpp"
-#include "common/radio/line_of_sight.hpp"
+#include "common/radio/height_rows.hpp"
 
 namespace aloft::radio {
 
@@ -19,7 +19,10 @@ HeightGrid height_grid(const Parameters& world) {
 }
 
 Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial)
-    : city_(std::move(city)), model_(world), heights_(height_grid(world)) {
+    : city_(std::move(city)),
+      model_(world),
+      link_model_(link_model_type(world.text("propagation")).make(world, city_, seed, trial)),
+      heights_(height_grid(world)) {
   if (city_.base_stations.size() > limits::base_stations)
     throw InputError(fmt::format("the city has {} base stations; fading tells at most {} apart",
                                  city_.base_stations.size(), limits::base_stations));
@@ -33,6 +36,7 @@ Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std:
 }
 
 void Scene::look_around(world::Position position, Surroundings& into) const {
+  into.position = position;
   into.links.resize(stations());
   into.sector_covers.assign(stations(), 1);
   for (std::uint32_t k = 0; k < stations(); ++k) {
@@ -48,10 +52,6 @@ void Scene::look_around(world::Position position, Surroundings& into) const {
   }
 }
 
-double Scene::blocking_height_m(world::Position position, std::uint32_t k) const noexcept {
-  return radio::blocking_height_m(city_, model_.los_ray, position, city_.base_stations[k]);
-}
-
 std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
   const double above = std::ceil((blocking_height_m - heights_.height_min_m) / heights_.resolution_m);
   auto index = static_cast<std::uint32_t>(std::clamp(above, 0.0, static_cast<double>(heights_.size())));
@@ -59,6 +59,14 @@ std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
   if (index > 0 && heights_.height_m(index - 1) >= blocking_height_m) --index;
   if (index < heights_.size() && heights_.height_m(index) < blocking_height_m) ++index;
   return index;
+}
+
+void Scene::received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
+                               std::span<const double> rise_m, std::size_t first_los, double* power_w) const {
+  const LinkPlace place = link(around, k);
+  link_model_->mean_gain_row(place, false, height_m.first(first_los), power_w);
+  link_model_->mean_gain_row(place, true, height_m.subspan(first_los), power_w + first_los);
+  radio::received_power_row(model_, place.distance_m, rise_m, power_w);
 }
 
 std::uint32_t Scene::reported_stations() const noexcept {

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "common/radio/link_budget.hpp"
+#include "common/radio/models/link_model.hpp"
 #include "common/radio/radio_model.hpp"
 #include "common/radio/signal_map.hpp"
 #include "common/world/world.hpp"
@@ -12,6 +15,7 @@ namespace aloft::radio {
 
 /// What holds at one ground position for all heights.
 struct Surroundings {
+  world::Position position;
   std::vector<Link> links;                  ///< per base station
   std::vector<std::uint8_t> sector_covers;  ///< per base station: its own sector, not steered, covers the UAV
 };
@@ -22,8 +26,11 @@ class Scene {
   /// `world`: every key of generated_world_parameters(). Keeps a copy of the city. InputError if it has
   /// more base stations than limits::base_stations.
   Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial);
+  Scene(const Scene&) = delete;  // the channel model refers to the city in here
+  Scene& operator=(const Scene&) = delete;
 
   [[nodiscard]] const RadioModel& model() const noexcept { return model_; }
+  [[nodiscard]] const LinkModel& link_model() const noexcept { return *link_model_; }
   [[nodiscard]] const world::City& city() const noexcept { return city_; }
   [[nodiscard]] const HeightGrid& heights() const noexcept { return heights_; }
   [[nodiscard]] std::uint32_t stations() const noexcept {
@@ -36,10 +43,15 @@ class Scene {
 
   void look_around(world::Position position, Surroundings& into) const;
 
-  /// First index of heights() with line of sight to base station k, given its blocking height.
+  [[nodiscard]] static LinkPlace link(const Surroundings& around, std::uint32_t k) noexcept {
+    return {around.position, k, around.links[k].distance_m};
+  }
+  /// First index of heights() with line of sight, given the link's blocking height; their number if there is none.
   [[nodiscard]] std::uint32_t first_los(double blocking_height_m) const noexcept;
-  /// No line of sight below this height.
-  [[nodiscard]] double blocking_height_m(world::Position position, std::uint32_t k) const noexcept;
+  /// Mean power of base station k, W, with the UAV at ascending heights, line of sight from index `first_los` on.
+  /// `rise_m`: the same heights above the base stations' antennas.
+  void received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
+                          std::span<const double> rise_m, std::size_t first_los, double* power_w) const;
 
   /// Whether base station k can disturb the reception of c at all: other azimuths are outside the UAV's beam, and a
   /// sector that looks elsewhere sends nothing here.
@@ -56,6 +68,7 @@ class Scene {
  private:
   world::City city_;
   RadioModel model_;
+  std::unique_ptr<const LinkModel> link_model_;
   HeightGrid heights_;
   std::vector<world::Position> sector_boresight_;  // unit vectors, per base station
 };

@@ -47,8 +47,8 @@ std::string preset_table() {
     std::vector<std::string> cells;
     bool same = true;
     for (const Json& world : worlds) {
-      const Json& value = world.at(spec.name);
-      same = same && value == worlds.front().at(spec.name);
+      const Json value = world.value(spec.name, Json());
+      same = same && value == worlds.front().value(spec.name, Json());
       cells.push_back(value.is_string() ? value.get<std::string>() : value.dump());
     }
     if (!same && spec.name != "preset") text += fmt::format("| `{}` | {} |\n", spec.name, fmt::join(cells, " | "));

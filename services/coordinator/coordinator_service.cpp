@@ -18,6 +18,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/coordinator/folder_lock.hpp"
+#include "services/coordinator/messages.hpp"
 #include "services/coordinator/own_collector.hpp"
 #include "services/coordinator/results_view.hpp"
 #include "services/runtime/sole_coordinator.hpp"
@@ -43,19 +44,6 @@ constexpr auto count_time = 10s;                  // for a collector on another 
 constexpr std::uint32_t reread_flights = 5000;    // at a time: some 20 ms
 constexpr std::size_t failures_told = 20;
 constexpr std::size_t lost_named = 10;
-
-wire::TrialAssignment to_wire(const Order& order, const std::string& experiment_id) {
-  wire::TrialAssignment assignment;
-  assignment.worker(wire::name(order.worker));
-  assignment.experiment_id(wire::experiment_id(experiment_id));
-  assignment.lease_id(order.lease);
-  assignment.condition(order.condition);
-  assignment.trial(order.trial);
-  assignment.attempt(order.attempt);
-  assignment.agents(wire::names(order.agents));
-  assignment.cancelled(order.cancelled);
-  return assignment;
-}
 
 /// A coordinator with a bus around it.
 class Conversation {
@@ -159,17 +147,7 @@ class Conversation {
   }
 
   void on_worker(const wire::WorkerStatus& status, Clock::time_point now) {
-    WorkerNews news;
-    news.report = {wire::view(status.worker()), status.incarnation(), status.capacity(), status.leases(), {}};
-    news.host = wire::view(status.host());
-    news.pid = status.pid();
-    news.flies_only = wire::texts(status.flies_only());
-    news.steps_done = status.steps_done();
-    news.records_unconfirmed = status.records_unconfirmed();
-    news.waits_for = wire::view(status.missing());
-    for (const auto& failure : status.failures())
-      news.failed_leases.emplace_back(failure.lease_id(), wire::view(failure.reason()));
-    coordinator_.on_worker(news, now);
+    coordinator_.on_worker(news_of(status), now);
     worker_seen_ = now;
   }
 
@@ -210,18 +188,8 @@ class Conversation {
   }
 
   void write_status(wire::RunState state, const Progress& progress, std::string_view message) {
-    wire::RunStatus status;
-    status.experiment_id(wire::experiment_id(experiment_.id));
+    wire::RunStatus status = to_wire(progress, experiment_.id);
     status.state(state);
-    status.flights_total(progress.flights_total);
-    status.flights_stored(progress.flights_stored);
-    status.trials_pending(progress.trials_pending);
-    status.trials_leased(progress.trials_leased);
-    status.trials_done(progress.trials_done);
-    status.trials_failed(progress.trials_failed);
-    status.workers_alive(progress.workers_alive);
-    status.flights_per_s(progress.flights_per_s);
-    status.steps_per_s(progress.steps_per_s);
     status.message(wire::message(message));
     statuses_.write(status);
   }

@@ -13,7 +13,6 @@ namespace aloft::test {
 namespace {
 
 namespace fs = std::filesystem;
-using Catch::Matchers::Contains;
 
 /// A folder of the repository, e.g. "common/radio" or "tools", and the folders whose headers its sources may include.
 using Layers = std::map<std::string, std::set<std::string>>;
@@ -101,6 +100,21 @@ TEST_CASE("CONTRIBUTING.md draws every folder of common/, services/ and tools/")
   for (const fs::directory_entry& entry : fs::directory_iterator(source_dir() / "common"))
     if (entry.is_directory()) CHECK(drawn().contains("common/" + entry.path().filename().string()));
   for (const auto& [folder, below] : drawn()) CHECK(fs::is_directory(source_dir() / folder));
+}
+
+TEST_CASE("the build takes the folders of common/ in an order that fits the drawing") {
+  static const std::regex line(R"(add_subdirectory\((\w+)\))");
+  const std::string list = read_text(source_dir() / "common/CMakeLists.txt");
+  std::set<std::string> before;
+  for (auto at = std::sregex_iterator(list.begin(), list.end(), line); at != std::sregex_iterator(); ++at) {
+    const std::string folder = "common/" + (*at)[1].str();
+    for (const std::string& below : drawn().at(folder)) {
+      INFO(folder << " stands on " << below);
+      CHECK(before.contains(below));
+    }
+    before.insert(folder);
+  }
+  CHECK(before.contains("common/bus"));
 }
 
 TEST_CASE("no source includes what stands above its folder") {

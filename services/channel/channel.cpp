@@ -118,7 +118,7 @@ struct Channel::State {
       if (!episode) continue;
       const Clock::duration silence = episode->silence(now);
       if (silence > answer_limit)
-        fail(lease_of(*episode),
+        fail(episode->address().lease_id,
              fmt::format("agent {} did not answer for {} s", episode->awaited(), answer_limit.count()));
       else if (const auto outcome = episode->wait_no_longer(now); outcome != Episode::Outcome::ignored)
         go_on(*episode, outcome, seconds(silence));
@@ -179,8 +179,9 @@ struct Channel::State {
   }
 
   void on_command(const wire::HeightCommand& command) {
-    if (command.stream() >= episodes.size() || !episodes[command.stream()]) return;
-    Episode& episode = *episodes[command.stream()];
+    Episode* const found = find(command.stream());
+    if (found == nullptr) return;
+    Episode& episode = *found;
     const auto heard = Clock::now();
     const double answer_s = seconds(episode.silence(heard));
     const agents::AgentSpec& asked = episode.pilot();
@@ -193,8 +194,9 @@ struct Channel::State {
   }
 
   void on_followed(const wire::ReportFollowed& message) {
-    if (message.stream() >= episodes.size() || !episodes[message.stream()]) return;
-    Episode& episode = *episodes[message.stream()];
+    Episode* const found = find(message.stream());
+    if (found == nullptr) return;
+    Episode& episode = *found;
     const double answer_s = seconds(episode.silence(now));
     go_on(episode, episode.accept(message, now), answer_s);
   }
@@ -218,7 +220,7 @@ struct Channel::State {
                      episode.address().condition, episode.address().trial);
         return ask(episode);
       case Episode::Outcome::forbidden:
-        return fail(lease_of(episode), fmt::format("agent {} may not jump to a height", episode.pilot().name));
+        return fail(episode.address().lease_id, fmt::format("agent {} may not jump to a height", episode.pilot().name));
     }
   }
 
@@ -233,9 +235,8 @@ struct Channel::State {
   }
 
   void on_memory(const wire::FlightMemory& memory) {
-    if (memory.stream() >= episodes.size() || !episodes[memory.stream()]) return;
-    Episode& episode = *episodes[memory.stream()];
-    if (episode.accept(memory) == Episode::Outcome::finished) land(episode);
+    Episode* const episode = find(memory.stream());
+    if (episode != nullptr && episode->accept(memory) == Episode::Outcome::finished) land(*episode);
   }
 
   /// Only what the run's own collector has stored is stored where the results belong.
@@ -285,6 +286,7 @@ struct Channel::State {
       return fail(trial.lease_id, error.what());
     }
     EpisodeAddress address;
+    address.lease_id = trial.lease_id;
     address.experiment_id = experiment->id;
     address.episode_id = experiment::episode_id(*experiment, {trial.condition, trial.trial, spec.name});
     address.attempt = ++last_attempt;
@@ -299,7 +301,6 @@ struct Channel::State {
       if (spared.insert(name).second) spdlog::warn("agent {} is not there; relays fly without it until it comes", name);
     episode->do_without(without, now);
     swaps.brief(*episode, now);
-    leases[address.stream] = trial.lease_id;
     ++trial.in_the_air;
     ask(*episode);
   }
@@ -308,12 +309,12 @@ struct Channel::State {
     try {
       episode.ask(senders, now);
     } catch (const std::exception& error) {
-      fail(lease_of(episode), fmt::format("agent {}: {}", episode.pilot().name, error.what()));
+      fail(episode.address().lease_id, fmt::format("agent {}: {}", episode.pilot().name, error.what()));
     }
   }
 
   void start_again(Episode& episode) {
-    const std::uint64_t lease = lease_of(episode);
+    const std::uint64_t lease = episode.address().lease_id;
     const std::string name = episode.agent().name;
     const std::uint32_t restarts = ++lost_histories[episode.address().episode_id];
     if (restarts >= experiment->max_attempts)
@@ -327,7 +328,7 @@ struct Channel::State {
   }
 
   void land(const Episode& episode) {
-    Trial& trial = *trials.find(lease_of(episode));
+    Trial& trial = *trials.find(episode.address().lease_id);
     const EpisodeAddress& address = episode.address();
     wire::EpisodeRecord record;
     record.experiment_id(wire::experiment_id(experiment->id));
@@ -359,8 +360,8 @@ struct Channel::State {
 
   void cancel(std::uint64_t lease) {
     if (trials.find(lease) == nullptr) return;
-    for (std::size_t stream = 0; stream < episodes.size(); ++stream)
-      if (episodes[stream] && leases[static_cast<std::uint32_t>(stream)] == lease) episodes[stream].reset();
+    for (std::unique_ptr<Episode>& episode : episodes)
+      if (episode && episode->address().lease_id == lease) episode.reset();
     trials.remove(lease);
     changed = true;
   }
@@ -434,14 +435,17 @@ struct Channel::State {
                        [&](const std::string& name) { return agents.waited_long(name, now); });
   }
 
+  /// Null if nobody flies in this stream.
+  [[nodiscard]] Episode* find(std::uint32_t stream) const {
+    return stream < episodes.size() ? episodes[stream].get() : nullptr;
+  }
+
   [[nodiscard]] std::size_t agent_index(std::string_view name) const {
     const auto& all = experiment->agents;
     return static_cast<std::size_t>(
         std::find_if(all.begin(), all.end(), [&](const agents::AgentSpec& spec) { return spec.name == name; }) -
         all.begin());
   }
-
-  [[nodiscard]] std::uint64_t lease_of(const Episode& episode) const { return leases.at(episode.address().stream); }
 
   StopSignal& stop;
   bus::Participant participant;
@@ -466,7 +470,6 @@ struct Channel::State {
   std::shared_ptr<const experiment::Experiment> experiment;
   Trials trials;
   std::vector<std::unique_ptr<Episode>> episodes;  // by stream
-  std::map<std::uint32_t, std::uint64_t> leases;   // by stream
   std::map<std::uint64_t, std::uint32_t> lost_histories;
   AgentDirectory agents;
   std::set<std::string> spared;  // that relays fly without

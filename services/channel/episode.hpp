@@ -15,8 +15,9 @@
 
 namespace aloft::channel {
 
-/// What every report of a flight says about it.
+/// What every report of a flight says about it, but for the lease.
 struct EpisodeAddress {
+  std::uint64_t lease_id = 0;
   std::string experiment_id;
   std::uint64_t episode_id = 0;
   std::uint32_t attempt = 0;  ///< grows with every flight that this worker starts

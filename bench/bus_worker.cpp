@@ -107,7 +107,8 @@ class Driver {
       assignment.lease_id(next_);
       assignment.trial(static_cast<std::uint32_t>(next_ - 1));
       assignment.attempt(1);
-      for (const agents::AgentSpec& spec : experiment_.agents) assignment.agents().push_back(wire::name(spec.name));
+      for (const agents::AgentSpec& spec : experiment_.agents)
+        assignment.agents().push_back(wire::names({spec.name}).front());
       assignments_.write(assignment);
       sent_.push_back(next_++);
     }

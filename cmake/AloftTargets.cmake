@@ -79,7 +79,7 @@ function(aloft_add_test name)
     set(serial ON)  # each takes all cores
   endif()
   aloft_add_test_entries(${name} ${name} LABELS ${labels} SERIAL ${serial} TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
-    ASAN_OPTIONS=new_delete_type_mismatch=0 TSAN_OPTIONS=ignore_noninstrumented_modules=1)
+    ASAN_OPTIONS=new_delete_type_mismatch=0:verify_asan_link_order=0 TSAN_OPTIONS=ignore_noninstrumented_modules=1)
 endfunction()
 
 # aloft_add_benchmark(NAME SOURCES ... [DEPS lib ...]); sanitized builds leave benchmarks out.

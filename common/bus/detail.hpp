@@ -8,7 +8,6 @@
 #include <atomic>
 #include <bit>
 #include <chrono>
-#include <condition_variable>
 #include <exception>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -20,19 +19,14 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "common/bus/allocation_limit.hpp"
+#include "common/bus/middleware/duration.hpp"
 #include "common/bus/neighbourhood.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/topics.hpp"
 
 namespace aloft::bus {
-
-[[nodiscard]] inline eprosima::fastrtps::Duration_t duration(std::chrono::milliseconds ms) {
-  return {static_cast<std::int32_t>(ms.count() / 1000), static_cast<std::uint32_t>(ms.count() % 1000) * 1'000'000U};
-}
 
 /// Counts refused samples of one topic; from any thread. Logs the first, second, fourth, ... of each kind.
 class DropCounter {
@@ -68,10 +62,13 @@ class CheckedType : public Generated {
   }
 
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
-    // No element takes so much more room in memory than on the wire.
-    constexpr std::size_t largest_growth = 128;
+    // Fast CDR gives a sequence no more elements than there are bytes left: so a payload that is no larger than the
+    // type cannot ask for much memory. (Sequences of texts are another matter: idl/world.idl, AgentName.)
+    if (payload->length > this->m_typeSize) {
+      drops_.malformed("longer than its type");
+      return false;
+    }
     try {
-      const AllocationLimit limit(4096 + largest_growth * payload->length);
       if (!Generated::deserialize(payload, data)) {
         drops_.malformed("not this type");
         return false;
@@ -98,7 +95,8 @@ class CheckedType : public Generated {
 };
 
 /// Owns the middleware's participant and, made when first needed, one publisher and subscriber per scope and one topic
-/// per type. A thread of its own brings processes together that have lost each other (reunion.hpp).
+/// per type. A thread of its own brings processes together that have lost each other
+/// (middleware/rediscovery.hpp).
 struct Participant::State {
   explicit State(const BusOptions& options);
   ~State();
@@ -131,6 +129,8 @@ struct Participant::State {
   BusOptions options;
   mutable std::mutex mutex;  // also held while the quality of service of an endpoint changes
   Neighbourhood neighbourhood;
+  RediscoveryThread rediscovery{neighbourhood.rediscovery(), [this](const auto& question) { ask(question); },
+                                [this] { announce(); }};
   eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
   std::array<eprosima::fastdds::dds::Publisher*, 3> publishers{};
   std::array<eprosima::fastdds::dds::Subscriber*, 3> subscribers{};
@@ -138,16 +138,8 @@ struct Participant::State {
   std::vector<eprosima::fastdds::dds::DataReader*> readers;
 
  private:
-  void mediate();
-  void ask(const Reunion::Question& question);
-  void introduce_ourselves();
-
-  std::mutex mediation_mutex_;
-  std::condition_variable mediation_needed_;
-  bool may_miss_somebody_ = false;
-  bool is_asked_ = false;
-  bool ending_ = false;
-  std::thread mediator_;
+  void ask(const Rediscovery::Question& question);
+  void announce();
 };
 
 }  // namespace aloft::bus

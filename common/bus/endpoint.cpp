@@ -7,7 +7,6 @@
 #include <idl/recordPubSubTypes.h>
 #include <idl/worldPubSubTypes.h>
 
-#include <algorithm>
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
@@ -16,6 +15,8 @@
 #include <type_traits>
 
 #include "common/bus/detail.hpp"
+#include "common/bus/middleware/defaults.hpp"
+#include "common/bus/middleware/liveliness.hpp"
 #include "common/bus/validate.hpp"
 
 namespace aloft::bus {
@@ -33,10 +34,7 @@ std::string not_created(const char* what, const TopicSettings& settings, const B
                                                           to_text(options.role), options.secure.string()));
 }
 
-constexpr std::chrono::milliseconds heartbeat_period{20};
 constexpr std::chrono::milliseconds max_blocking_time{1000};
-constexpr std::chrono::milliseconds liveliness_lease{500};
-constexpr std::chrono::milliseconds liveliness_announcement{100};
 
 /// What writers and readers have in common; the two sides must agree to be matched.
 template <class Qos>
@@ -46,18 +44,12 @@ void apply(const TopicSettings& settings, Qos& qos) {
   qos.durability().kind = settings.transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
   qos.history().depth = settings.depth;
-  qos.resource_limits().max_instances = settings.keys;
-  qos.resource_limits().max_samples_per_instance = settings.depth;
-  qos.resource_limits().max_samples = settings.depth * settings.keys;
-  qos.resource_limits().allocated_samples = std::min(16, settings.depth * settings.keys);
+  make_room(settings.depth, settings.keys, qos.resource_limits());
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   qos.data_sharing().off();
   if (settings.exclusive) {
     qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
-    // The other kinds of liveliness do not notice a dead process while another participant lives.
-    qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
-    qos.liveliness().lease_duration = duration(liveliness_lease);
-    qos.liveliness().announcement_period = duration(liveliness_announcement);
+    notice_dead_writers(qos.liveliness());
   }
 }
 
@@ -98,7 +90,7 @@ Writer<T>::Writer(const Participant& participant, const WriterOptions& options) 
   dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
   apply(state_->settings, qos);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = duration(heartbeat_period);
+  notice_loss(qos.reliable_writer_qos());
   if (state_->settings.exclusive) qos.ownership_strength().value = options.strength;
   state_->writer = state_->publisher->create_datawriter(entry.topic, qos);
   if (state_->writer == nullptr)

@@ -2,11 +2,9 @@
 
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
-#include <fmt/ostream.h>
 #include <spdlog/spdlog.h>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -84,16 +82,16 @@ void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participa
   const rtps::ParticipantProxyData& data = info.info;
   if (info.status == Info::REMOVED_PARTICIPANT) {
     spdlog::debug("{} leaves", introduction(data));
-    reunion_.left(data.m_guid.guidPrefix);
+    rediscovery_.left(data.m_guid.guidPrefix);
   }
   if (info.status == Info::DROPPED_PARTICIPANT) {
     spdlog::debug("{} is silent", introduction(data));
-    reunion_.fell_silent(data.m_guid.guidPrefix, Reunion::Clock::now());
+    rediscovery_.fell_silent(data.m_guid.guidPrefix, Rediscovery::Clock::now());
   }
   if (info.status != Info::DISCOVERED_PARTICIPANT) return;
   spdlog::debug("hears {}", introduction(data));
-  reunion_.heard(data.m_guid.guidPrefix, introduction(data), Reunion::Clock::now());
-  if (on_reunion_) on_reunion_(false);
+  rediscovery_.heard(data.m_guid.guidPrefix, introduction(data), Rediscovery::Clock::now());
+  if (thread_ != nullptr) thread_->somebody_is_back();
   acquaintances().meet(data.m_guid.guidPrefix, introduction(data));
   if (authority_.empty()) return;
   // Which side the middleware tells of a failed handshake depends on which of them began it: so look beforehand.
@@ -112,18 +110,20 @@ void Neighbourhood::onParticipantAuthentication(dds::DomainParticipant* /*partic
 
 void Neighbourhood::on_subscriber_discovery(dds::DomainParticipant* participant, rtps::ReaderDiscoveryInfo&& info) {
   const rtps::GUID_t& reader = info.info.guid();
-  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) return reunion_.removed(reader, Reunion::Kind::reader);
-  reunion_.found(reader, Reunion::Kind::reader);
+  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER)
+    return rediscovery_.removed(reader, Rediscovery::Kind::reader);
+  rediscovery_.found(reader, Rediscovery::Kind::reader);
   const rtps::GuidPrefix_t& self = participant->guid().guidPrefix;
-  if (reunion_.asks(reader.guidPrefix, info.info.m_qos.m_userData.getValue(), self) && on_reunion_) on_reunion_(true);
+  if (rediscovery_.asks(reader.guidPrefix, info.info.m_qos.m_userData.getValue(), self) && thread_ != nullptr)
+    thread_->somebody_asks();
 }
 
 void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
   const bool removed = info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER;
   if (removed)
-    reunion_.removed(info.info.guid(), Reunion::Kind::writer);
+    rediscovery_.removed(info.info.guid(), Rediscovery::Kind::writer);
   else
-    reunion_.found(info.info.guid(), Reunion::Kind::writer);
+    rediscovery_.found(info.info.guid(), Rediscovery::Kind::writer);
   const std::lock_guard lock(mutex_);
   if (removed) {
     runs_.erase(info.info.guid());
@@ -144,15 +144,11 @@ std::vector<std::string> Neighbourhood::runs() const {
 }
 
 std::string Neighbourhood::name_of(const rtps::GuidPrefix_t& participant) {
-  return acquaintances().name(text(participant));
+  return name_of(text(participant));
 }
 
-std::string refusal_in_words(const std::string& message) {
-  static const std::regex pattern(R"(Error checking create remote (writer|reader) ([0-9a-f.]+)\|\S+ \((\S+) topic )");
-  std::smatch found;
-  if (!std::regex_search(message, found, pattern)) return "";
-  return fmt::format("refused to let {} {} {}: not among the permissions of its certificate",
-                     acquaintances().name(found[2]), found[1] == "writer" ? "write" : "read", found[3].str());
+std::string Neighbourhood::name_of(const std::string& participant) {
+  return acquaintances().name(participant);
 }
 
 }  // namespace aloft::bus

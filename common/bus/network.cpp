@@ -13,19 +13,15 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <system_error>
-#include <thread>
 
 #include "common/base/error.hpp"
 
 namespace aloft::bus {
 namespace {
-
-constexpr std::chrono::seconds running_limit{10};
 
 std::string text(const in_addr& address) {
   std::array<char, INET_ADDRSTRLEN> buffer{};
@@ -73,20 +69,10 @@ std::string local_address(const std::string& address_or_interface) {
                                address_or_interface, known));
 }
 
-void wait_until_running(const std::string& address) {
-  const auto running = [&] {
-    const std::vector<Interface> all = interfaces_of_this_machine();
-    return std::any_of(all.begin(), all.end(),
-                       [&](const Interface& one) { return one.address == address && one.running; });
-  };
-  const auto deadline = std::chrono::steady_clock::now() + running_limit;
-  while (!running()) {
-    if (std::chrono::steady_clock::now() > deadline)
-      throw std::runtime_error(
-          fmt::format("the network interface with the address {} has been down for {} s; see: ip address", address,
-                      running_limit.count()));
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+bool is_running(const std::string& address) {
+  const std::vector<Interface> all = interfaces_of_this_machine();
+  return std::any_of(all.begin(), all.end(),
+                     [&](const Interface& one) { return one.address == address && one.running; });
 }
 
 bool is_local_address(const std::string& address) {

@@ -15,11 +15,10 @@ struct Endpoint {
 /// The address of this machine that "10.0.0.1" or "eth0" names. InputError, listing those there are, if there is none.
 [[nodiscard]] std::string local_address(const std::string& address_or_interface);
 
-/// The middleware would stay deaf on an interface that comes up later, e.g. shortly after boot. std::runtime_error if
-/// it is still down after 10 s.
-void wait_until_running(const std::string& address);
-
 [[nodiscard]] bool is_local_address(const std::string& address);
+
+/// Whether the interface with this address is up and has a link.
+[[nodiscard]] bool is_running(const std::string& address);
 
 /// "HOST:PORT" with an address or a name that can be resolved. InputError otherwise.
 [[nodiscard]] Endpoint resolve_endpoint(const std::string& host_and_port);

@@ -6,18 +6,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/log/Log.hpp>
 #include <sstream>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
 #include "common/bus/detail.hpp"
+#include "common/bus/middleware/clear_text_filter.hpp"
+#include "common/bus/middleware/defaults.hpp"
+#include "common/bus/middleware/late_interface.hpp"
+#include "common/bus/middleware/lease.hpp"
+#include "common/bus/middleware/one_message_at_a_time.hpp"
+#include "common/bus/middleware/refusals.hpp"
 #include "common/bus/network.hpp"
-#include "common/bus/secured_transport.hpp"
-#include "common/bus/test_faults.hpp"
 #include "common/security/keys.hpp"
 
 namespace aloft::bus {
@@ -33,30 +35,15 @@ constexpr std::chrono::milliseconds server_ping_period{200};
 // Clients address the server by its name too. One name will do: a run has one server, a server one run.
 constexpr const char* server_prefix = "44.53.00.5f.61.6c.6f.66.74.00.00.01";
 
-/// Sends the middleware's own warnings to our log.
-class LogToSpdlog : public dds::LogConsumer {
- public:
-  void Consume(const dds::Log::Entry& entry) override {
-    if (const std::string refusal = refusal_in_words(entry.message); !refusal.empty()) {
-      spdlog::warn("{}", refusal);
-      return;
-    }
-    const auto level = entry.kind == dds::Log::Kind::Error ? spdlog::level::warn : spdlog::level::debug;
-    spdlog::log(level, "dds {}: {}", entry.context.category != nullptr ? entry.context.category : "", entry.message);
-  }
-};
-
 /// Settings that hold for the whole process and must stand before the first participant.
 void prepare_middleware() {
   static std::once_flag once;
   std::call_once(once, [] {
-    // A DEFAULT_FASTRTPS_PROFILES.xml that happens to lie in the working directory must not change a run.
-    setenv("SKIP_DEFAULT_XML_FILE", "1", 0);
+    ignore_working_directory();
     eprosima::fastrtps::LibrarySettingsAttributes library;
     library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
     eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
-    dds::Log::ClearConsumers();
-    dds::Log::RegisterConsumer(std::make_unique<LogToSpdlog>());
+    take_over_log();
   });
 }
 
@@ -116,8 +103,8 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   udp->sendBufferSize = socket_buffer_bytes;
   udp->receiveBufferSize = socket_buffer_bytes;
   qos.transport().use_builtin_transports = false;
-  const auto network = with_test_faults(udp);
-  qos.transport().user_transports.push_back(options.secure.empty() ? network : for_secured_run(network));
+  qos.transport().user_transports.push_back(options.secure.empty() ? Transport(udp)
+                                                                   : one_message_at_a_time(without_clear_text(udp)));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = duration(longest_standstill(options).value_or(options.lease));
@@ -165,7 +152,7 @@ std::vector<std::string> Participant::runs() const {
 }
 
 std::vector<std::string> Participant::absent(std::chrono::milliseconds patience) const {
-  return state_->neighbourhood.reunion().absent(patience, Reunion::Clock::now());
+  return state_->neighbourhood.rediscovery().absent(patience, Rediscovery::Clock::now());
 }
 
 Participant::State::State(const BusOptions& wanted) : options(wanted) {
@@ -190,11 +177,7 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
     neighbourhood.expect_authority(files.authority);
     secure(files, qos);
   }
-  neighbourhood.on_reunion([this](bool asks_us) {
-    const std::lock_guard lock(mediation_mutex_);
-    (asks_us ? is_asked_ : may_miss_somebody_) = true;
-    mediation_needed_.notify_one();
-  });
+  neighbourhood.tell(rediscovery);
   participant = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<std::uint32_t>(options.domain), qos, &neighbourhood, dds::StatusMask::none());
   if (participant == nullptr)
@@ -202,38 +185,15 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
         fmt::format("cannot join DDS domain {} on {}: is a UDP port free? ({} processes fit in a domain; try another "
                     "--domain)",
                     options.domain, fmt::join(options.interfaces, ", "), max_processes));
-  mediator_ = std::thread([this] { mediate(); });
 }
 
 Participant::State::~State() {
-  {
-    const std::lock_guard lock(mediation_mutex_);
-    ending_ = true;
-  }
-  mediation_needed_.notify_one();
-  mediator_.join();
+  rediscovery.end();
   participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
 }
 
-void Participant::State::mediate() {
-  constexpr std::chrono::milliseconds period{200};  // also between two introductions
-  std::unique_lock lock(mediation_mutex_);
-  while (!ending_) {
-    mediation_needed_.wait(lock, [this] { return ending_ || is_asked_ || may_miss_somebody_; });
-    const bool asked = std::exchange(is_asked_, false);
-    may_miss_somebody_ = false;
-    lock.unlock();
-    if (asked) introduce_ourselves();
-    if (const auto question = neighbourhood.reunion().question(Reunion::Clock::now())) ask(*question);
-    const bool waits = neighbourhood.reunion().waits();
-    lock.lock();
-    may_miss_somebody_ = may_miss_somebody_ || waits;  // somebody may have come back meanwhile
-    mediation_needed_.wait_for(lock, period, [this] { return ending_; });
-  }
-}
-
-void Participant::State::ask(const Reunion::Question& question) {
+void Participant::State::ask(const Rediscovery::Question& question) {
   const std::lock_guard lock(mutex);
   if (readers.empty()) return;
   dds::DataReaderQos qos = readers.front()->get_qos();
@@ -242,8 +202,7 @@ void Participant::State::ask(const Reunion::Question& question) {
 }
 
 /// Setting what is set already announces every writer and reader again.
-void Participant::State::introduce_ourselves() {
-  spdlog::info("is asked for its endpoints: announces them again");
+void Participant::State::announce() {
   const std::lock_guard lock(mutex);
   for (dds::Publisher* publisher : publishers)
     if (publisher != nullptr) publisher->set_qos(publisher->get_qos());

@@ -38,14 +38,6 @@ struct BusOptions {
   std::chrono::milliseconds lease{1500};
 };
 
-/// A process of a secured run that is silent for this long is forgotten. Longer than any delay on a busy machine: the
-/// middleware cannot authenticate a second time with somebody who has not forgotten it too.
-inline constexpr std::chrono::milliseconds secured_lease{20'000};
-
-/// The lease in a run with a discovery server. If only one of a server and its client forgets the other, they do not
-/// find each other again, so neither may forget the other because a machine was busy for a moment.
-inline constexpr std::chrono::milliseconds served_lease{4'000};
-
 /// Who stands still for longer than this is forgotten for good, and must be started again; none: the others take it in
 /// again however long it was.
 [[nodiscard]] std::optional<std::chrono::milliseconds> longest_standstill(const BusOptions& options) noexcept;

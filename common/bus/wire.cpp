@@ -31,17 +31,16 @@ Message message(std::string_view text) {
   return Message(std::string(beginning_of(text, limits::message_bytes)));
 }
 
-std::vector<Name> names(const std::vector<std::string>& texts) {
-  std::vector<Name> result;
-  result.reserve(texts.size());
-  for (const std::string& text : texts) result.push_back(name(text));
+std::vector<AgentName> names(const std::vector<std::string>& texts) {
+  std::vector<AgentName> result(texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) result[i].text(name(texts[i]));
   return result;
 }
 
-std::vector<std::string> texts(const std::vector<Name>& names) {
+std::vector<std::string> texts(const std::vector<AgentName>& names) {
   std::vector<std::string> result;
   result.reserve(names.size());
-  for (const Name& one : names) result.emplace_back(one.c_str());
+  for (const AgentName& one : names) result.emplace_back(view(one.text()));
   return result;
 }
 

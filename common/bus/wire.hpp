@@ -30,8 +30,8 @@ template <std::size_t N>
   return text.c_str();
 }
 
-[[nodiscard]] std::vector<Name> names(const std::vector<std::string>& texts);
-[[nodiscard]] std::vector<std::string> texts(const std::vector<Name>& names);
+[[nodiscard]] std::vector<AgentName> names(const std::vector<std::string>& texts);
+[[nodiscard]] std::vector<std::string> texts(const std::vector<AgentName>& names);
 
 [[nodiscard]] std::vector<std::uint8_t> bytes(std::string_view text);
 [[nodiscard]] std::string_view view(const std::vector<std::uint8_t>& bytes) noexcept;

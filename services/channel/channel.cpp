@@ -155,9 +155,9 @@ struct Channel::State {
     if (world.condition() >= experiment->conditions.size() || world.trial() >= experiment->trials)
       return fail(world.lease_id(),
                   fmt::format("the experiment has no trial {} of condition {}", world.trial(), world.condition()));
-    for (const wire::Name& agent : world.agents())
-      if (agent_index(wire::view(agent)) == experiment->agents.size())
-        return fail(world.lease_id(), fmt::format("the experiment has no agent {}", wire::view(agent)));
+    for (const wire::AgentName& agent : world.agents())
+      if (agent_index(wire::view(agent.text())) == experiment->agents.size())
+        return fail(world.lease_id(), fmt::format("the experiment has no agent {}", wire::view(agent.text())));
     builder.submit(experiment, world);
   }
 

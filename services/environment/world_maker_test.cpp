@@ -20,7 +20,7 @@ wire::World made_in(const nlohmann::json& world) {
     if (spec.kind == ParameterSpec::Kind::number) spec.maximum = 1e9;
   experiment.conditions[0].world = Parameters(table, world, "world");
   wire::TrialAssignment assignment;
-  assignment.agents({wire::name("min-height")});
+  assignment.agents(wire::names({"min-height"}));
   return environment::WorldMaker(experiment).make(assignment);
 }
 

@@ -1,4 +1,4 @@
-// A network that loses, repeats, reorders and delays (ALOFT_TEST_FAULTS): the same bytes as in one process.
+// A network that loses, repeats, reorders and delays (bad_network.cpp): the same bytes as in one process.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -6,13 +6,16 @@
 
 #include "tests/faults/effort.hpp"
 #include "tests/faults/fault_scene.hpp"
+#include "tests/paths.hpp"
 
 using namespace aloft::test;
 using namespace std::chrono_literals;
 
 namespace {
 
-/// How often each fault has happened, in all processes of a run, by what they log at their end.
+const std::string library = (bin_dir().parent_path() / "lib/libaloft_bad_network.so").string();
+
+/// How often each fault has happened, in all processes of a run, by what they say at their end.
 std::map<std::string, int> faults_of(const FaultScene& scene, const std::string& run) {
   const std::string mark = "messages that were damaged:";
   std::map<std::string, int> total;
@@ -55,6 +58,7 @@ TEST_CASE("a bad network costs time, but no byte", "[network]") {
                                      "delay=100,delay_ms=100", "delay=20,delay_ms=2000"});
   for (const std::string& network : networks) {
     INFO(network);
+    const Variable preload("LD_PRELOAD", library);
     const Variable faults("ALOFT_TEST_FAULTS", network);
     const auto run = scene.start(network, {"--workers", "2"});
     scene.check_finished(network, *run, 240s);
@@ -66,10 +70,18 @@ TEST_CASE("a bad network costs time, but no byte", "[network]") {
   }
 }
 
+TEST_CASE("the programs as they are shipped know no bad network", "[network]") {
+  const FaultScene scene(1);
+  const Variable faults("ALOFT_TEST_FAULTS", "any=100");
+  scene.check_finished("shipped", *scene.start("shipped", {"--workers", "1"}), 120s);
+  CHECK(faults_of(scene, "shipped").empty());
+}
+
 TEST_CASE("a test network that makes no sense is refused", "[network]") {
   const FaultScene scene(1);
   for (const char* wrong : {"data", "data=", "data=101", "data=-1", "delay_ms=1e3", "losses=5", "data=5;gap=5"}) {
     INFO(wrong);
+    const Variable preload("LD_PRELOAD", library);
     const Variable faults("ALOFT_TEST_FAULTS", wrong);
     const Finished finished = run_command({"aloft-coordinator", "--results", scene.out("x").string(), "--experiment",
                                            (scene.out("reference") / "experiment.json").string()});

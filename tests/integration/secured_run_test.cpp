@@ -105,7 +105,7 @@ wire::TrialAssignment false_assignment() {
   wire::TrialAssignment assignment;
   assignment.worker("w0");
   assignment.lease_id(4711);
-  assignment.agents().emplace_back("min-height");
+  assignment.agents(wire::names({"min-height"}));
   return assignment;
 }
 

@@ -114,7 +114,8 @@ class Scene {
     message.condition(condition);
     message.trial(trial);
     message.attempt(1);
-    for (const agents::AgentSpec& spec : experiment_.agents) message.agents().push_back(wire::name(spec.name));
+    for (const agents::AgentSpec& spec : experiment_.agents)
+      message.agents().push_back(wire::names({spec.name}).front());
     assignments_.write(message);
   }
 

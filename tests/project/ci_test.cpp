@@ -122,8 +122,8 @@ TEST_CASE(
     if (has("integration") || has("soak")) CHECK(property(test, "RUN_SERIAL") == true);
   }
   for (const char* test :
-       {"aloft_bus_tests", "aloft_secured_transport_tests", "aloft_permissions_tests", "aloft_channel_tests",
-        "aloft_agent_host_tests", "aloft_collector_tests", "aloft_coordinator_tests", "aloft_metrics_http_tests",
-        "aloft_standstill_watch_tests", "aloft_run_view_tests"})
+       {"aloft_bus_tests", "aloft_clear_text_filter_tests", "aloft_rediscovery_tests", "aloft_permissions_tests",
+        "aloft_channel_tests", "aloft_agent_host_tests", "aloft_collector_tests", "aloft_coordinator_tests",
+        "aloft_metrics_http_tests", "aloft_standstill_watch_tests", "aloft_run_view_tests"})
     CHECK_THAT(threads, Contains(test));
 }

@@ -47,7 +47,7 @@ struct SampleLimits<wire::TrialAssignment> {
   static wire::TrialAssignment good() {
     wire::TrialAssignment sample;
     sample.worker("w0");
-    sample.agents({wire::name("dqn")});
+    sample.agents(wire::names({"dqn"}));
     return sample;
   }
   static Spoilers<wire::TrialAssignment> spoilers() {
@@ -197,7 +197,7 @@ template <>
 struct SampleLimits<wire::World> {
   static wire::World good() {
     wire::World sample;
-    sample.agents({wire::name("dqn")});
+    sample.agents(wire::names({"dqn"}));
     sample.kind(wire::WORLD_CITY);
     sample.city().window_m(1000);
     sample.city().base_station_height_m(30);

@@ -1,4 +1,4 @@
-#include "common/bus/reunion.hpp"
+#include "common/bus/middleware/rediscovery.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -11,28 +11,30 @@ namespace {
 
 // The list usually comes within 0.1 s.
 constexpr std::chrono::milliseconds first_patience{500};
-constexpr unsigned max_times_asked = 8;  // in four minutes: it speaks no such language, or has no endpoints any more
+constexpr unsigned max_times_asked =
+    8;  // in four minutes: it does not know this protocol, or has no endpoints any more
+constexpr std::chrono::milliseconds period{200};  // between two questions or announcements
 constexpr std::size_t max_peers = 4096;
 constexpr std::size_t max_asked = 64;
 // A question: this text, and for each who is asked its 12 bytes and the number of the question.
 constexpr std::string_view question_mark = "aloft-who-are-you:";
 constexpr std::size_t number_bytes = 4;
-constexpr std::size_t entry_bytes = Reunion::Process::size + number_bytes;
+constexpr std::size_t entry_bytes = Rediscovery::Process::size + number_bytes;
 
-void append(Reunion::Question& question, const Reunion::Process& process, std::uint32_t number) {
-  question.insert(question.end(), process.value, process.value + Reunion::Process::size);
+void append(Rediscovery::Question& question, const Rediscovery::Process& process, std::uint32_t number) {
+  question.insert(question.end(), process.value, process.value + Rediscovery::Process::size);
   for (std::size_t i = 0; i < number_bytes; ++i) question.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
 }
 
 }  // namespace
 
-Reunion::Peer& Reunion::peer(const Process& process) {
+Rediscovery::Peer& Rediscovery::peer(const Process& process) {
   if (peers_.size() >= max_peers && !peers_.contains(process))
     std::erase_if(peers_, [](const auto& entry) { return entry.second.gone; });
   return peers_[process];
 }
 
-void Reunion::heard(const Process& process, const std::string& name, Clock::time_point now) {
+void Rediscovery::heard(const Process& process, const std::string& name, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   Peer& who = peer(process);
   who.name = name;
@@ -42,7 +44,7 @@ void Reunion::heard(const Process& process, const std::string& name, Clock::time
   who.due = now + first_patience;
 }
 
-Reunion::Peer& Reunion::forget(const Process& process) {
+Rediscovery::Peer& Rediscovery::forget(const Process& process) {
   Peer& who = peer(process);
   who.gone = true;
   who.due.reset();
@@ -51,35 +53,35 @@ Reunion::Peer& Reunion::forget(const Process& process) {
   return who;
 }
 
-void Reunion::left(const Process& process) {
+void Rediscovery::left(const Process& process) {
   const std::lock_guard lock(mutex_);
   forget(process).silent_since.reset();
 }
 
-void Reunion::fell_silent(const Process& process, Clock::time_point now) {
+void Rediscovery::fell_silent(const Process& process, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   forget(process).silent_since = now;
 }
 
-void Reunion::found(const Endpoint& endpoint, Kind kind) {
+void Rediscovery::found(const Endpoint& endpoint, Kind kind) {
   const std::lock_guard lock(mutex_);
   Peer& who = peer(endpoint.guidPrefix);
   (kind == Kind::writer ? who.writers : who.readers).insert(endpoint);
   (kind == Kind::writer ? who.had_writers : who.had_readers) = true;
 }
 
-void Reunion::removed(const Endpoint& endpoint, Kind kind) {
+void Rediscovery::removed(const Endpoint& endpoint, Kind kind) {
   const std::lock_guard lock(mutex_);
   const auto at = peers_.find(endpoint.guidPrefix);
   if (at != peers_.end()) (kind == Kind::writer ? at->second.writers : at->second.readers).erase(endpoint);
 }
 
-bool Reunion::waits() const {
+bool Rediscovery::waits() const {
   const std::lock_guard lock(mutex_);
   return std::any_of(peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.due.has_value(); });
 }
 
-std::optional<Reunion::Question> Reunion::question(Clock::time_point now) {
+std::optional<Rediscovery::Question> Rediscovery::question(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
   Question question(question_mark.begin(), question_mark.end());
   std::size_t asked = 0;
@@ -103,7 +105,7 @@ std::optional<Reunion::Question> Reunion::question(Clock::time_point now) {
   return is_new ? std::optional(std::move(question)) : std::nullopt;
 }
 
-bool Reunion::asks(const Process& asker, const Question& question, const Process& self) {
+bool Rediscovery::asks(const Process& asker, const Question& question, const Process& self) {
   if (question.size() < question_mark.size() ||
       !std::equal(question_mark.begin(), question_mark.end(), question.begin()))
     return false;
@@ -120,7 +122,7 @@ bool Reunion::asks(const Process& asker, const Question& question, const Process
   return false;
 }
 
-std::vector<std::string> Reunion::absent(Clock::duration patience, Clock::time_point now) const {
+std::vector<std::string> Rediscovery::absent(Clock::duration patience, Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   std::set<std::string_view> present;
   for (const auto& [process, who] : peers_)
@@ -131,6 +133,46 @@ std::vector<std::string> Reunion::absent(Clock::duration patience, Clock::time_p
     if (silent || who.due) names.push_back(who.name);
   }
   return names;
+}
+
+RediscoveryThread::RediscoveryThread(Rediscovery& rediscovery, Ask ask, std::function<void()> announce)
+    : rediscovery_(rediscovery), ask_(std::move(ask)), announce_(std::move(announce)) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
+}
+
+void RediscoveryThread::somebody_is_back() {
+  const std::lock_guard lock(mutex_);
+  somebody_is_back_ = true;
+  changed_.notify_one();
+}
+
+void RediscoveryThread::somebody_asks() {
+  const std::lock_guard lock(mutex_);
+  somebody_asks_ = true;
+  changed_.notify_one();
+}
+
+void RediscoveryThread::end() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void RediscoveryThread::work(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [this] { return somebody_asks_ || somebody_is_back_; })) {
+    const bool asked = std::exchange(somebody_asks_, false);
+    somebody_is_back_ = false;
+    lock.unlock();
+    if (asked) {
+      spdlog::info("is asked for its endpoints: announces them again");
+      announce_();
+    }
+    if (const auto question = rediscovery_.question(Rediscovery::Clock::now())) ask_(*question);
+    const bool waits = rediscovery_.waits();
+    lock.lock();
+    somebody_is_back_ = somebody_is_back_ || waits;  // somebody may have come back meanwhile
+    changed_.wait_for(lock, stop, period, [] { return false; });
+  }
 }
 
 }  // namespace aloft::bus

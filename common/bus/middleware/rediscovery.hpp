@@ -1,32 +1,38 @@
 #pragma once
 
-// Inside common/bus only: processes that have lost sight of each other.
+// Fault of Fast DDS: two processes that have lost sight of each other may stay half blind. It forgets a process that is
+// silent for longer than its lease, and its writers and readers with it; when the process is heard again, the list of
+// its endpoints has to come again. Where only one of the two had forgotten the other, the list may never come: it was
+// received once, so the other side does not send it again. (A heartbeat that arrives before the first request for the
+// list makes the middleware go wrong.) Upstream: issue 6401; 2.9.1, 3.1.2 and 3.3.0 have it. Can go when
+// tests/faults/standstill_test.cpp passes with an empty Participant::State::ask.
+//
+// Inside common/bus only.
 
 #include <fastdds/rtps/common/Guid.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace aloft::bus {
 
-/// Fast DDS forgets a process that is silent for longer than its lease, and its writers and readers with it. When the
-/// process is heard again, the list of its endpoints has to come again. But where only one of the two had forgotten the
-/// other, the list may never come: it was received once, so the other side does not send it again, and this side waits
-/// for ever. (A heartbeat that arrives before the first request for the list makes the middleware go wrong: its issue
-/// 6401.)
+/// Who is missing whose endpoints, and what to ask whom.
 ///
-/// So whoever misses a list asks for it by name, and whoever is asked announces all its endpoints anew. The question
+/// Whoever misses a list asks for it by name, and whoever is asked announces all its endpoints anew. The question
 /// travels as user data of one of the asker's readers. That way is open: of two processes only the one that was the
 /// last to forget can miss anything.
 ///
 /// May be used from any thread. No bus; the clock is passed in.
-class Reunion {
+class Rediscovery {
  public:
   using Clock = std::chrono::steady_clock;
   using Process = eprosima::fastrtps::rtps::GuidPrefix_t;
@@ -81,6 +87,34 @@ class Reunion {
   std::map<Process, Peer> peers_;
   std::map<Process, std::uint32_t> answered_;  // the latest question of each
   std::uint32_t last_number_ = 0;
+};
+
+/// Asks and answers: the middleware's threads, which tell of others, must not call the middleware.
+class RediscoveryThread {
+ public:
+  using Ask = std::function<void(const Rediscovery::Question&)>;
+
+  /// `ask` makes a question known to all, `announce` all our endpoints.
+  RediscoveryThread(Rediscovery& rediscovery, Ask ask, std::function<void()> announce);
+
+  /// Somebody is back whose endpoints may be missing.
+  void somebody_is_back();
+  /// Somebody asks for ours.
+  void somebody_asks();
+  /// Nothing is asked or announced any more.
+  void end();
+
+ private:
+  void work(const std::stop_token& stop);
+
+  Rediscovery& rediscovery_;
+  Ask ask_;
+  std::function<void()> announce_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  bool somebody_is_back_ = false;
+  bool somebody_asks_ = false;
+  std::jthread thread_;
 };
 
 }  // namespace aloft::bus

@@ -1,7 +1,7 @@
 #pragma once
 
-// Inside common/bus only: what a message of the middleware is made of. RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1,
-// 7.3.6.
+// What a message of the middleware is made of: RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6. No repair; the
+// filter of clear text and the bad network of the tests read messages.
 
 #include <cstddef>
 

@@ -1,5 +1,5 @@
 // What a process of a secured run takes in.
-#include "common/bus/secured_transport.hpp"
+#include "common/bus/middleware/clear_text_filter.hpp"
 
 #include <catch2/catch.hpp>
 #include <vector>

@@ -12,6 +12,7 @@
 #include "common/experiment/world_parameters.hpp"
 #include "common/flight/energy.hpp"
 #include "common/radio/generated_world.hpp"
+#include "common/radio/models/link_model.hpp"
 
 namespace aloft::experiment {
 namespace {
@@ -49,14 +50,31 @@ Json world_schema(const char* kind, std::span<const ParameterSpec> table) {
   return {{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
 }
 
+/// A world has the parameters of its own channel model alone.
+Json channel_model_rules() {
+  Json rules = Json::array();
+  for (const radio::LinkModelType& model : radio::link_model_types()) {
+    const Json name{{"const", model.name}};
+    Json chosen{
+        {"properties", {{"propagation", {{"anyOf", Json::array({name, Json{{"type", "array"}, {"items", name}}})}}}}}};
+    if (model.name != radio::default_link_model) chosen["required"] = Json::array({"propagation"});
+    Json own = Json::object();
+    for (const ParameterSpec& spec : model.parameters) own[spec.name] = false;
+    rules.push_back({{"if", std::move(chosen)}, {"else", {{"properties", std::move(own)}}}});
+  }
+  return rules;
+}
+
 Json any_world() {
   Json measured = world_schema("measured", measured_world_parameters());
   measured["required"] = Json::array({"kind", "file"});
+  Json generated = world_schema("generated", radio::generated_world_parameters());
+  generated["allOf"] = channel_model_rules();
   return {{"type", "object"},
           {"description", "One world; every list in it is swept. A file has either \"world\" or \"worlds\"."},
           {"if", {{"properties", {{"kind", {{"const", "measured"}}}}}, {"required", Json::array({"kind"})}}},
           {"then", std::move(measured)},
-          {"else", world_schema("generated", radio::generated_world_parameters())}};
+          {"else", std::move(generated)}};
 }
 
 Json any_crew() {

@@ -67,7 +67,7 @@ ParameterSpec preset_parameter() {
 ParameterSpec propagation_parameter() {
   std::vector<std::string> names;
   for (const LinkModelType& model : link_model_types()) names.push_back(model.name);
-  ParameterSpec spec = choice_parameter("propagation", "power-law", std::move(names),
+  ParameterSpec spec = choice_parameter("propagation", std::string(default_link_model), std::move(names),
                                         "Channel model: line of sight, and mean gain with and without it.");
   spec.default_is_implied = true;
   return spec;

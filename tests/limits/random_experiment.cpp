@@ -14,6 +14,7 @@
 #include "common/base/random.hpp"
 #include "common/experiment/file_keys.hpp"
 #include "common/radio/generated_world.hpp"
+#include "common/radio/models/link_model.hpp"
 
 namespace aloft::test {
 namespace {
@@ -94,7 +95,11 @@ void put_route(Draw& draw, bool small, Json& world) {
 }
 
 Json generated_world(Draw& draw, bool small) {
-  Json world = draw.some_of(radio::generated_world_parameters(), draw.one_of<double>({0.05, 0.3}));
+  const auto models = radio::link_model_types();
+  const radio::LinkModelType& model = models[draw.below(models.size())];
+  Json world = draw.some_of(radio::generated_world_parameters(model), draw.one_of<double>({0.05, 0.3}));
+  world["propagation"] = model.name;
+  if (model.name == radio::default_link_model && draw.chance(0.5)) world.erase("propagation");
   put_heights(draw, small, world);
   put_route(draw, small, world);
   const double area_km2 = std::pow(world["window_m"].get<double>() / 1000.0, 2);

@@ -16,6 +16,7 @@
 #include "common/base/random.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/experiment/schema_validator.hpp"
+#include "common/radio/models/link_model.hpp"
 #include "tests/integration/command.hpp"
 #include "tests/limits/random_experiment.hpp"
 
@@ -24,6 +25,12 @@ namespace {
 
 using Json = nlohmann::json;
 using Pointer = Json::json_pointer;
+
+/// Which parameters a world has depends on its channel model; here is a second one, which nobody flies with.
+const bool other_model_registered =
+    radio::register_link_model({.name = "other-model",
+                                .description = "For this test.",
+                                .parameters = {number_parameter("other_loss_db", 20.0, 0.0, 60.0, "For this test.")}});
 
 /// What the checks refuse and no schema can say; the messages they do it with. Nothing else may differ.
 bool no_schema_can_say(const std::string& message) {
@@ -84,6 +91,7 @@ class Mutations {
     if (chance(0.3)) file["description"] = "text";
     Json& world = file["world"];
     if (chance(0.3)) world["name"] = "Feld bei Köln";
+    if (chance(0.3)) world["propagation"] = one_of<Json>({"power-law", "other-model", {"power-law", "other-model"}});
     if (chance(0.5)) list_a_value(world);
     for (Json& agent : file["agents"])
       if (chance(0.3)) list_a_value(agent);

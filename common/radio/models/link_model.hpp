@@ -48,6 +48,9 @@ class LinkModel {
   [[nodiscard]] virtual Shadowing shadowing(const LinkPlace& link, bool line_of_sight, double height_m) const;
 };
 
+/// Of worlds that name none.
+inline constexpr std::string_view default_link_model = "power-law";
+
 /// Facts about one channel model.
 struct LinkModelType {
   std::string name;         ///< as in experiment files: the value of `propagation`

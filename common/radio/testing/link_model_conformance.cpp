@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -23,16 +24,16 @@ constexpr std::uint64_t seed = 7;
 /// What a model says of one link, with and without line of sight.
 struct Answers {
   double blocking_height_m = 0.0;
-  std::vector<double> gain[2];
-  double bound[2]{};
+  std::array<std::vector<double>, 2> gain;
+  std::array<double, 2> bound{};
 
   bool operator==(const Answers& other) const {
     const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
     bool same = bits(blocking_height_m) == bits(other.blocking_height_m);
-    for (int los = 0; los < 2; ++los) {
-      same = same && bits(bound[los]) == bits(other.bound[los]);
-      same = same && std::equal(gain[los].begin(), gain[los].end(), other.gain[los].begin(), other.gain[los].end(),
-                                [&](double a, double b) { return bits(a) == bits(b); });
+    for (const std::size_t los : {0U, 1U}) {
+      same = same && bits(bound.at(los)) == bits(other.bound.at(los));
+      same = same && std::equal(gain.at(los).begin(), gain.at(los).end(), other.gain.at(los).begin(),
+                                other.gain.at(los).end(), [&](double a, double b) { return bits(a) == bits(b); });
     }
     return same;
   }
@@ -78,10 +79,10 @@ class Kit {
   [[nodiscard]] Answers ask(const LinkModel& model, const LinkPlace& link) const {
     Answers answers;
     answers.blocking_height_m = model.blocking_height_m(link);
-    for (int los = 0; los < 2; ++los) {
-      answers.gain[los].resize(height_m_.size());
-      model.mean_gain_row(link, los == 1, height_m_, answers.gain[los].data());
-      answers.bound[los] = model.gain_bound(link, los == 1);
+    for (const std::size_t los : {0U, 1U}) {
+      answers.gain.at(los).resize(height_m_.size());
+      model.mean_gain_row(link, los == 1, height_m_, answers.gain.at(los).data());
+      answers.bound.at(los) = model.gain_bound(link, los == 1);
     }
     return answers;
   }
@@ -89,16 +90,16 @@ class Kit {
   void check_values(const LinkModel& model, const LinkPlace& link, const Answers& answers,
                     std::vector<std::string>& problems) const {
     if (std::isnan(answers.blocking_height_m)) say(problems, link, "blocking_height_m() is not a number");
-    for (int los = 0; los < 2; ++los) {
+    for (const std::size_t los : {0U, 1U}) {
       for (std::size_t i = 0; i < height_m_.size(); ++i) {
-        const double gain = answers.gain[los][i];
+        const double gain = answers.gain.at(los)[i];
         if (!std::isfinite(gain) || gain <= 0.0)
           say(problems, link,
               fmt::format("the gain at {:g} m is {}; it must be positive and finite", height_m_[i], gain));
-        else if (!(gain <= answers.bound[los] * bound_rounding))
+        else if (!(gain <= answers.bound.at(los) * bound_rounding))
           say(problems, link,
               fmt::format("the gain {} at {:g} m {} line of sight exceeds gain_bound() {}", gain, height_m_[i],
-                          los == 1 ? "with" : "without", answers.bound[los]));
+                          los == 1 ? "with" : "without", answers.bound.at(los)));
         if (model.shadowing(link, los == 1, height_m_[i]).deviation_db != 0.0)
           say(problems, link, "shadowing() has a standard deviation, but nothing draws shadowing yet");
       }
@@ -109,12 +110,12 @@ class Kit {
   /// single heights.
   void check_elements(const LinkModel& model, const LinkPlace& link, const Answers& answers,
                       std::vector<std::string>& problems) const {
-    for (int los = 0; los < 2; ++los)
+    for (const std::size_t los : {0U, 1U})
       for (const std::size_t size : {std::size_t{1}, std::size_t{5}})
         for (std::size_t i = 0; i + size <= height_m_.size(); i += size) {
           std::vector<double> part(size);
           model.mean_gain_row(link, los == 1, std::span(height_m_).subspan(i, size), part.data());
-          if (!std::equal(part.begin(), part.end(), answers.gain[los].begin() + static_cast<std::ptrdiff_t>(i)))
+          if (!std::equal(part.begin(), part.end(), answers.gain.at(los).begin() + static_cast<std::ptrdiff_t>(i)))
             say(problems, link,
                 fmt::format("mean_gain_row() gives other bits at {:g} m in a row of {} than in a row of {}",
                             height_m_[i], size, height_m_.size()));

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "common/base/error.hpp"
+#include "common/bus/middleware/lease.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/service.hpp"
 

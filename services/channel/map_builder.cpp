@@ -1,5 +1,6 @@
 #include "services/channel/map_builder.hpp"
 
+#include <boost/asio/post.hpp>
 #include <exception>
 #include <utility>
 
@@ -41,45 +42,22 @@ MapBuilder::Built build(const experiment::Experiment& experiment, const wire::Wo
 
 }  // namespace
 
-MapBuilder::MapBuilder(std::function<void()> on_built) : on_built_(std::move(on_built)), thread_([this] { work(); }) {}
-
-MapBuilder::~MapBuilder() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
+MapBuilder::MapBuilder(std::function<void()> on_built) : on_built_(std::move(on_built)) {}
 
 void MapBuilder::submit(std::shared_ptr<const experiment::Experiment> experiment, const wire::World& world) {
-  {
-    const std::lock_guard lock(mutex_);
-    jobs_.push_back({std::move(experiment), world});
-  }
-  changed_.notify_all();
+  boost::asio::post(thread_, [this, experiment = std::move(experiment), world] {
+    Built built = build(*experiment, world);
+    {
+      const std::lock_guard lock(mutex_);
+      built_.push_back(std::move(built));
+    }
+    on_built_();
+  });
 }
 
 std::vector<MapBuilder::Built> MapBuilder::take() {
   const std::lock_guard lock(mutex_);
   return std::exchange(built_, {});
-}
-
-void MapBuilder::work() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [this] { return ending_ || !jobs_.empty(); });
-    if (ending_) return;
-    const Job job = std::move(jobs_.front());
-    jobs_.pop_front();
-    lock.unlock();
-    Built built = build(*job.experiment, job.world);
-    lock.lock();
-    built_.push_back(std::move(built));
-    lock.unlock();
-    on_built_();
-    lock.lock();
-  }
 }
 
 }  // namespace aloft::channel

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <condition_variable>
+#include <boost/asio/thread_pool.hpp>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/bus/wire.hpp"
@@ -28,28 +26,16 @@ class MapBuilder {
 
   /// `on_built` is called in the thread, after a result can be taken.
   explicit MapBuilder(std::function<void()> on_built);
-  ~MapBuilder();
-  MapBuilder(const MapBuilder&) = delete;
-  MapBuilder& operator=(const MapBuilder&) = delete;
 
   void submit(std::shared_ptr<const experiment::Experiment> experiment, const wire::World& world);
   /// Everything that was built since the last call.
   [[nodiscard]] std::vector<Built> take();
 
  private:
-  struct Job {
-    std::shared_ptr<const experiment::Experiment> experiment;
-    wire::World world;
-  };
-  void work();
-
   std::function<void()> on_built_;
   std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Job> jobs_;
   std::vector<Built> built_;
-  bool ending_ = false;
-  std::thread thread_;
+  boost::asio::thread_pool thread_{1};  // last: its job uses what stands above
 };
 
 }  // namespace aloft::channel

@@ -228,6 +228,7 @@ namespace {
     .privilege = Privilege::none,
     .unconstrained = false,
     .learns = true,
+    .looks = {{"dqn", 100, "#d5500a", "#ff8a3d", {1, 0}}},
     .name_parameter = "",
     .parameters = {dqn_parameters().begin(), dqn_parameters().end()},
     .make = [](const Parameters& parameters) { return std::make_unique<Dqn>(parameters); },

@@ -12,10 +12,11 @@ class MinHeight final : public SteeringAgent {
   Command act() override { return {height_m() > flight().height_min_m ? Action::down : Action::hold}; }
 };
 
-const bool min_height_registered = register_agent(
-    {.name = "min-height", .description = "Flies at the lowest allowed height.", .make = [](const Parameters& p) {
-       return std::make_unique<MinHeight>(p);
-     }});
+const bool min_height_registered =
+    register_agent({.name = "min-height",
+                    .description = "Flies at the lowest allowed height.",
+                    .looks = {{"min-height", 0, "#2a9fd0", "#56b4e9", {1, 0}}},
+                    .make = [](const Parameters& p) { return std::make_unique<MinHeight>(p); }});
 
 }  // namespace
 }  // namespace aloft::agents

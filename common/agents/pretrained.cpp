@@ -183,8 +183,9 @@ nlohmann::json provenance() {
 const bool pretrained_registered = register_agent(
     {.name = "pretrained",
      .description = "Flies by a network trained beforehand on generated worlds, frozen in flight.",
-     .learns = true,
      .trained_beforehand = true,
+     .host = Host::learning_agent,
+     .looks = {{"pretrained", default_rank, "#aa3377", "#e07ab0", {6, 2}}},
      .file_parameter = "model",
      .parameters = {text_parameter("model", "", "Model file of 'aloft train pretrained'; empty: the built-in model."),
                     text_parameter("model_sha256", "",

@@ -144,6 +144,16 @@ bool is_agent_name(std::string_view text) noexcept {
   return !text.empty() && text.size() <= limits::name_bytes && std::all_of(text.begin(), text.end(), is_name_character);
 }
 
+const Look* AgentType::look_of(std::string_view agent) const noexcept {
+  const auto look = std::find_if(looks.begin(), looks.end(), [&](const Look& one) { return one.agent == agent; });
+  return look == looks.end() ? nullptr : &*look;
+}
+
+int AgentType::rank_of(std::string_view agent) const noexcept {
+  const Look* look = look_of(agent);
+  return look == nullptr ? rank : look->rank;
+}
+
 bool register_agent(AgentType type) {
   auto& types = registered_types();
   const auto at = std::lower_bound(types.begin(), types.end(), type.name,

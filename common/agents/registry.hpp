@@ -9,10 +9,14 @@
 #include <vector>
 
 #include "common/agents/agent.hpp"
+#include "common/agents/look.hpp"
 #include "common/agents/privilege.hpp"
 #include "common/base/parameters.hpp"
 
 namespace aloft::agents {
+
+/// The process of a worker that flies an agent.
+enum class Host : std::uint8_t { baseline_agent, learning_agent };
 
 /// Facts about one type of agent.
 struct AgentType {
@@ -20,9 +24,12 @@ struct AgentType {
   std::string description{};  ///< one sentence
   Privilege privilege = Privilege::none;
   bool unconstrained = false;  ///< may command Action::absolute
-  bool learns = false;         ///< flown by the learning-agent service, else by the baseline-agent service
+  bool learns = false;         ///< in flight
   bool foreign = false;  ///< flown by a program of the user's over DDS: every instance needs a name, and make throws
   bool trained_beforehand = false;  ///< on training_worlds: elsewhere it may do worse
+  std::optional<Host> host{};       ///< unset: the learning agent's if it learns, else the baseline agent's
+  int rank = default_rank;          ///< in tables and charts, of those without a look of their own
+  std::vector<Look> looks{};        ///< by the agent's name; the others get colours in the order of their appearance
   /// If set, this parameter names a file that the agent reads, and "PARAMETER_sha256" what the file must hold; an
   /// experiment fills that in when it is resolved.
   std::string file_parameter{};
@@ -34,6 +41,15 @@ struct AgentType {
   std::function<nlohmann::json()> provenance{};
   /// For types that may remember earlier flights: see AgentSpec::lineages. Unset: every flight starts afresh.
   std::function<std::uint32_t(const Parameters&)> lineages{};
+
+  [[nodiscard]] Host hosted_by() const noexcept {
+    return host.value_or(learns ? Host::learning_agent : Host::baseline_agent);
+  }
+  /// Whether what it does comes from learning, in flight or before.
+  [[nodiscard]] bool is_learner() const noexcept { return learns || trained_beforehand; }
+  /// What the agent of this name looks like, if that is laid down.
+  [[nodiscard]] const Look* look_of(std::string_view agent) const noexcept;
+  [[nodiscard]] int rank_of(std::string_view agent) const noexcept;
 };
 
 /// Called once per agent file, at namespace scope: `const bool dqn_registered = register_agent({...});`

@@ -98,7 +98,7 @@ struct AgentHost::State {
   void serve(const Role& role) {
     const agents::AgentSpec& spec = *role.agent;
     const agents::AgentType& type = agents::agent_type(spec.type);
-    if (type.foreign || type.learns != options.learners) return;
+    if (type.foreign || type.hosted_by() != options.host) return;
     if (!options.agents.empty() &&
         std::find(options.agents.begin(), options.agents.end(), spec.name) == options.agents.end())
       return;

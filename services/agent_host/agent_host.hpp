@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "common/agents/registry.hpp"
 #include "common/base/stop_signal.hpp"
 #include "common/bus/participant.hpp"
 
 namespace aloft::agent_host {
 
 struct AgentHostOptions {
-  bool learners = false;              ///< serve the types that learn, else those that do not
+  agents::Host host{};                ///< serve the types that this process flies
   unsigned threads = 0;               ///< agents think in so many threads; 0: in the loop itself
   std::uint32_t strength = 10;        ///< of the height commands: the strongest live process flies
   std::vector<std::string> agents{};  ///< serve only these; empty: all

@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   const runtime::ServiceInfo info{.name = "aloft-baseline-agent",
                                   .description = "Flies UAVs with the agents that do not learn.",
                                   .in_worker = true};
-  agent_host::AgentHostOptions options{.learners = false, .threads = 0};
+  agent_host::AgentHostOptions options{.host = agents::Host::baseline_agent, .threads = 0};
   return runtime::run_service(
       argc, argv, info,
       [&](CLI::App& app) {

@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   using namespace aloft;
   const runtime::ServiceInfo info{
       .name = "aloft-learning-agent", .description = "Flies UAVs with the agents that learn.", .in_worker = true};
-  agent_host::AgentHostOptions options{.learners = true, .threads = usable_cores()};
+  agent_host::AgentHostOptions options{.host = agents::Host::learning_agent, .threads = usable_cores()};
   return runtime::run_service(
       argc, argv, info,
       [&](CLI::App& app) {

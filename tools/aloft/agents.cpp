@@ -21,7 +21,7 @@ nlohmann::json as_json(const AgentType& type) {
           {"description", type.description},
           {"privilege", agents::privilege_tier(type.privilege).name},
           {"unconstrained", type.unconstrained},
-          {"learns", type.learns},
+          {"learns", type.is_learner()},
           {"name_parameter", type.name_parameter.empty() ? nlohmann::json() : nlohmann::json(type.name_parameter)},
           {"provenance", type.provenance ? type.provenance() : nlohmann::json()},
           {"parameters", schema_properties(type.parameters)}};
@@ -66,7 +66,7 @@ void print_parameters(const Printer& print, std::span<const ParameterSpec> table
 }
 
 std::string marks_of(const AgentType& type) {
-  std::string marks = type.learns ? "  [learns]" : "";
+  std::string marks = type.is_learner() ? "  [learns]" : "";
   if (type.privilege != Privilege::none)
     marks += fmt::format("  [privileged: sees {}]", agents::privilege_tier(type.privilege).sees);
   return marks + (type.unconstrained ? "  [unconstrained: may jump]" : "");

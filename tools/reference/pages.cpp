@@ -76,7 +76,7 @@ std::string marks_of(const agents::AgentType& type) {
   if (type.privilege == agents::Privilege::next_step) text += " Privileged: sees the next step at every height.";
   if (type.privilege == agents::Privilege::whole_route) text += " Privileged: sees the whole route at every height.";
   if (type.unconstrained) text += " Unconstrained: may jump to any height.";
-  if (type.learns) text += " Learns.";
+  if (type.is_learner()) text += " Learns.";
   if (type.trained_beforehand) text += " Trained beforehand.";
   if (!type.name_parameter.empty())
     text += fmt::format(" `{}-VALUE` is short for `{}` = VALUE.", type.name, type.name_parameter);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "common/experiment/statistics.hpp"
@@ -14,26 +13,21 @@ using OrderedJson = nlohmann::ordered_json;
 
 /// All flights of one agent in one condition.
 struct Sample {
-  std::vector<std::uint32_t> trials;  // ascending
-  std::vector<double> qos;
-  std::vector<double> height_m;
-  std::vector<double> height_changes;
-  std::vector<double> energy_j;
-  std::vector<double> handovers;  // NaN: unknown
+  std::vector<std::uint32_t> trials;                                   // ascending
+  std::vector<std::vector<double>> metrics{flight::metrics().size()};  // NaN: unknown
+
+  [[nodiscard]] const std::vector<double>& qos() const { return metrics[flight::quality]; }
 };
 
 using SamplesByAgent = std::map<std::string, Sample, std::less<>>;
 
-std::vector<SamplesByAgent> sorted_into_conditions(const Experiment& experiment, std::span<const FlightScore> scores) {
+std::vector<SamplesByAgent> sorted_into_conditions(const Experiment& experiment,
+                                                   std::span<const FlightSummary> flights) {
   std::vector<SamplesByAgent> conditions(experiment.conditions.size());
-  for (const FlightScore& score : scores) {
-    Sample& sample = conditions.at(score.key.condition)[score.key.agent];
-    sample.trials.push_back(score.key.trial);
-    sample.qos.push_back(score.qos_mean);
-    sample.height_m.push_back(score.height_mean_m);
-    sample.height_changes.push_back(score.height_changes);
-    sample.energy_j.push_back(score.energy_j);
-    sample.handovers.push_back(score.handovers ? *score.handovers : std::numeric_limits<double>::quiet_NaN());
+  for (const FlightSummary& flight : flights) {
+    Sample& sample = conditions.at(flight.key.condition)[flight.key.agent];
+    sample.trials.push_back(flight.key.trial);
+    for (std::size_t i = 0; i < sample.metrics.size(); ++i) sample.metrics[i].push_back(flight.metrics.number(i));
   }
   return conditions;
 }
@@ -43,7 +37,7 @@ std::vector<double> paired_gains(const Sample& agent, const Sample& reference) {
   std::vector<double> gains;
   for (std::size_t i = 0, k = 0; i < agent.trials.size() && k < reference.trials.size();) {
     if (agent.trials[i] == reference.trials[k]) {
-      gains.push_back(agent.qos[i++] - reference.qos[k++]);
+      gains.push_back(agent.qos()[i++] - reference.qos()[k++]);
     } else if (agent.trials[i] < reference.trials[k]) {
       ++i;
     } else {
@@ -98,19 +92,18 @@ OrderedJson pair_of(const Interval& interval) {
 
 OrderedJson agent_summary(const agents::AgentSpec& spec, const Sample& sample, const Intervals& intervals,
                           std::size_t qos, std::size_t gain) {
-  return {{"privilege", agents::privilege_tier(spec.privilege()).name},
-          {"trials", sample.trials.size()},
-          {"qos_mean", number(mean(sample.qos))},
-          {"qos_ci95", pair_of(intervals.interval(qos))},
-          {"qos_median", number(quantile(sample.qos, 0.5))},
-          {"qos_q25", number(quantile(sample.qos, 0.25))},
-          {"qos_q75", number(quantile(sample.qos, 0.75))},
-          {"height_mean_m", number(mean(sample.height_m))},
-          {"height_changes_mean", number(mean(sample.height_changes))},
-          {"handovers_mean", number(mean(sample.handovers))},
-          {"energy_mean_j", number(mean(sample.energy_j))},
-          {"gain_over_min_height_mean", number(mean(intervals.sample(gain)))},
-          {"gain_over_min_height_ci95", pair_of(intervals.interval(gain))}};
+  OrderedJson summary{{"privilege", agents::privilege_tier(spec.privilege()).name},
+                      {"trials", sample.trials.size()},
+                      {flight::metrics()[flight::quality].mean_key, number(mean(sample.qos()))},
+                      {"qos_ci95", pair_of(intervals.interval(qos))},
+                      {"qos_median", number(quantile(sample.qos(), 0.5))},
+                      {"qos_q25", number(quantile(sample.qos(), 0.25))},
+                      {"qos_q75", number(quantile(sample.qos(), 0.75))}};
+  for (std::size_t i = flight::quality + 1; i < sample.metrics.size(); ++i)
+    summary[flight::metrics()[i].mean_key] = number(mean(sample.metrics[i]));
+  summary["gain_over_min_height_mean"] = number(mean(intervals.sample(gain)));
+  summary["gain_over_min_height_ci95"] = pair_of(intervals.interval(gain));
+  return summary;
 }
 
 OrderedJson agent_summaries(const Experiment& experiment, SamplesByAgent& samples) {
@@ -119,7 +112,7 @@ OrderedJson agent_summaries(const Experiment& experiment, SamplesByAgent& sample
   std::vector<std::pair<std::size_t, std::size_t>> wanted;  // QoS, gain
   for (const agents::AgentSpec& spec : experiment.agents) {
     const Sample& sample = samples[spec.name];
-    const std::size_t qos = intervals.want(sample.qos);
+    const std::size_t qos = intervals.want(sample.qos());
     wanted.emplace_back(
         qos, intervals.want(reference == nullptr ? std::vector<double>{} : paired_gains(sample, *reference)));
   }
@@ -140,12 +133,16 @@ OrderedJson parameters_of(const Condition& condition) {
 
 }  // namespace
 
-std::string_view qos_unit(WorldKind kind) noexcept {
-  return kind == WorldKind::generated ? "bit/s/Hz" : "kbit/s";
+radio::QosKind qos_kind(WorldKind kind) noexcept {
+  return kind == WorldKind::generated ? radio::QosKind::spectral_efficiency : radio::QosKind::throughput;
 }
 
-OrderedJson summarise(const Experiment& experiment, std::span<const FlightScore> scores, std::string_view build) {
-  std::vector<SamplesByAgent> samples = sorted_into_conditions(experiment, scores);
+std::string_view qos_unit(WorldKind kind) {
+  return flight::metrics()[flight::quality].unit_in(qos_kind(kind)).stored;
+}
+
+OrderedJson summarise(const Experiment& experiment, std::span<const FlightSummary> flights, std::string_view build) {
+  std::vector<SamplesByAgent> samples = sorted_into_conditions(experiment, flights);
   OrderedJson conditions = OrderedJson::array();
   OrderedJson common_unit = qos_unit(experiment.conditions.front().kind);
   for (const Condition& condition : experiment.conditions) {

@@ -1,36 +1,35 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "common/base/text_layout.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/flight/metrics.hpp"
 
 namespace aloft::experiment {
 
-/// What one flight contributes to a summary.
-struct FlightScore {
+/// One stored flight without its steps.
+struct FlightSummary {
   FlightKey key;
-  double qos_mean = 0.0;  ///< bit/s/Hz or kbit/s
-  double height_mean_m = 0.0;
-  std::uint32_t height_changes = 0;
-  double energy_j = 0.0;
-  std::optional<std::uint32_t> handovers{};  ///< none: unknown
+  flight::MetricValues metrics{};
+  std::string digest{};  ///< SHA-256 of the encoded trace
 };
 
+/// What is measured in worlds of this kind.
+[[nodiscard]] radio::QosKind qos_kind(WorldKind kind) noexcept;
 /// "bit/s/Hz" (generated) or "kbit/s" (measured).
-[[nodiscard]] std::string_view qos_unit(WorldKind kind) noexcept;
+[[nodiscard]] std::string_view qos_unit(WorldKind kind);
 
 /// The content of summary.json, for finished and unfinished experiments: conditions and agents in the experiment's
-/// order, each agent with its privilege and its number of trials; means, 95 % bootstrap intervals, quartiles, and the
-/// gain over the min-height agent on the same trials. Numbers that do not exist are null (no trials; no min-height
-/// agent), and so are intervals where nothing varies (one trial; the same value in all). `qos_unit` stands at every
-/// condition, and at the top if all share it, else null there. `scores` are sorted by trial within each (condition,
-/// agent).
-[[nodiscard]] nlohmann::ordered_json summarise(const Experiment& experiment, std::span<const FlightScore> scores,
+/// order, each agent with its privilege and its number of trials; mean, 95 % bootstrap interval and quartiles of the
+/// quality, the means of all other metrics, and the gain over the min-height agent on the same trials. Numbers that do
+/// not exist are null (no trials; no min-height agent), and so are intervals where nothing varies (one trial; the same
+/// value in all). `qos_unit` stands at every condition, and at the top if all share it, else null there. `flights` are
+/// sorted by trial within each (condition, agent).
+[[nodiscard]] nlohmann::ordered_json summarise(const Experiment& experiment, std::span<const FlightSummary> flights,
                                                std::string_view build);
 
 /// A value as a CSV cell: null is empty, a text is quoted where it must be.

@@ -24,17 +24,28 @@ Experiment two_conditions() {
   return experiment;
 }
 
-std::vector<FlightScore> some_scores() {
-  return {{{0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4},    {{0, 0, "min-height"}, 4.0, 40.0, 0},
-          {{0, 1, "dqn"}, 9.0, 80.0, 20, 16e3, 5},    {{0, 1, "min-height"}, 6.0, 40.0, 0},
-          {{0, 2, "dqn"}, 100.0, 100.0, 30, 20e3, 9},  // whose min-height flight is missing
-          {{0, 3, "min-height"}, 1000.0, 40.0, 0},    {{1, 0, "dqn"}, 41234.0, 60.0, 1, 21e3}};
+FlightSummary flown(FlightKey key, double qos_mean, double height_mean_m, double height_changes, double energy_j = 0.0,
+                    std::optional<double> handovers = {}) {
+  FlightSummary flight{std::move(key)};
+  flight.metrics[flight::metric_index("qos_mean")] = qos_mean;
+  flight.metrics[flight::metric_index("height_mean_m")] = height_mean_m;
+  flight.metrics[flight::metric_index("height_changes")] = height_changes;
+  flight.metrics[flight::metric_index("energy_j")] = energy_j;
+  flight.metrics[flight::metric_index("handovers")] = handovers;
+  return flight;
+}
+
+std::vector<FlightSummary> some_flights() {
+  return {flown({0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4),    flown({0, 0, "min-height"}, 4.0, 40.0, 0),
+          flown({0, 1, "dqn"}, 9.0, 80.0, 20, 16e3, 5),    flown({0, 1, "min-height"}, 6.0, 40.0, 0),
+          flown({0, 2, "dqn"}, 100.0, 100.0, 30, 20e3, 9),  // whose min-height flight is missing
+          flown({0, 3, "min-height"}, 1000.0, 40.0, 0),    flown({1, 0, "dqn"}, 41234.0, 60.0, 1, 21e3)};
 }
 
 }  // namespace
 
 TEST_CASE("a summary gives every statistic of every agent, by hand") {
-  const OrderedJson summary = summarise(two_conditions(), some_scores(), "1.2.3");
+  const OrderedJson summary = summarise(two_conditions(), some_flights(), "1.2.3");
   CHECK(summary["experiment"] == "hand-made");
   CHECK(summary["experiment_id"] == "0123456789abcdef");
   CHECK(summary["seed"] == 18446744073709551615U);
@@ -65,14 +76,14 @@ TEST_CASE("a summary gives every statistic of every agent, by hand") {
 }
 
 TEST_CASE("min-height gains nothing over itself, in every trial: without an interval") {
-  const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
+  const OrderedJson summary = summarise(two_conditions(), some_flights(), "");
   const OrderedJson& agent = summary["conditions"][0]["agents"]["min-height"];
   CHECK(agent["gain_over_min_height_mean"] == 0.0);
   CHECK(agent["gain_over_min_height_ci95"].is_null());
 }
 
 TEST_CASE("what was not flown is null, never zero") {
-  const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
+  const OrderedJson summary = summarise(two_conditions(), some_flights(), "");
   const OrderedJson& measured = summary["conditions"][1];
   CHECK(measured["qos_unit"] == "kbit/s");
   const OrderedJson& missing = measured["agents"]["min-height"];
@@ -87,8 +98,9 @@ TEST_CASE("what was not flown is null, never zero") {
 TEST_CASE("with one trial there is no interval: null, an empty cell, a dash") {
   Experiment experiment = two_conditions();
   experiment.conditions.pop_back();
-  const std::vector<FlightScore> scores{{{0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4}, {{0, 0, "min-height"}, 4.0, 40.0, 0}};
-  const OrderedJson summary = summarise(experiment, scores, "");
+  const std::vector<FlightSummary> flights{flown({0, 0, "dqn"}, 5.0, 60.0, 10, 15e3, 4),
+                                           flown({0, 0, "min-height"}, 4.0, 40.0, 0)};
+  const OrderedJson summary = summarise(experiment, flights, "");
   for (const OrderedJson& agent : summary["conditions"][0]["agents"]) {
     CHECK(agent["qos_ci95"].is_null());
     CHECK(agent["gain_over_min_height_ci95"].is_null());
@@ -103,12 +115,12 @@ TEST_CASE("the same value in every trial has no interval") {
   Experiment experiment = two_conditions();
   experiment.conditions.erase(experiment.conditions.begin());
   experiment.conditions[0].index = 0;
-  std::vector<FlightScore> scores;
+  std::vector<FlightSummary> flights;
   for (std::uint32_t trial = 0; trial < 4; ++trial) {
-    scores.push_back({{0, trial, "dqn"}, 30e3 + trial, 60.0, 10, 15e3});
-    scores.push_back({{0, trial, "min-height"}, 20e3, 40.0, 0});
+    flights.push_back(flown({0, trial, "dqn"}, 30e3 + trial, 60.0, 10, 15e3));
+    flights.push_back(flown({0, trial, "min-height"}, 20e3, 40.0, 0));
   }
-  const OrderedJson summary = summarise(experiment, scores, "");
+  const OrderedJson summary = summarise(experiment, flights, "");
   CHECK(summary["conditions"][0]["agents"]["min-height"]["qos_ci95"].is_null());
   CHECK(summary["conditions"][0]["agents"]["dqn"]["qos_ci95"].is_array());
   CHECK(summary["conditions"][0]["agents"]["dqn"]["gain_over_min_height_ci95"].is_array());
@@ -141,7 +153,7 @@ TEST_CASE("one unit for all conditions stands at the top") {
 }
 
 TEST_CASE("the CSV has one line per condition and agent") {
-  const std::string csv = summary_csv(summarise(two_conditions(), some_scores(), ""));
+  const std::string csv = summary_csv(summarise(two_conditions(), some_flights(), ""));
   CHECK(csv.starts_with("condition,agent,privilege,qos_unit,trials,qos_mean,qos_ci95_low,qos_ci95_high,qos_median,"));
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 5);
   CHECK_THAT(csv, Contains("\nbs_density_per_km2=1,min-height,none,bit/s/Hz,3,"));
@@ -150,7 +162,7 @@ TEST_CASE("the CSV has one line per condition and agent") {
 }
 
 TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {
-  const std::string table = summary_table(summarise(two_conditions(), some_scores(), ""));
+  const std::string table = summary_table(summarise(two_conditions(), some_flights(), ""));
   CHECK_THAT(table, Contains("Mbit/s") && Contains("bit/s/Hz") && Contains("41.23") && Contains("+2.00 [1.00, 3.00]"));
   const auto header = table.find("agent ");
   const auto first = table.find("\n", header);
@@ -159,7 +171,7 @@ TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {
 }
 
 TEST_CASE("the table fits the terminal: what can be spared is left out and named, in all conditions the same") {
-  const OrderedJson summary = summarise(two_conditions(), some_scores(), "");
+  const OrderedJson summary = summarise(two_conditions(), some_flights(), "");
   const auto lines = [](const std::string& text) {
     std::vector<std::string> all;
     std::istringstream stream(text);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -33,8 +32,11 @@ std::string interval(const OrderedJson& value, double unit) {
   return value.is_null() ? "-" : fmt::format("[{}, {}]", digits(value[0], unit), digits(value[1], unit));
 }
 
-std::string one_decimal(const OrderedJson& value) {
-  return value.is_null() ? "-" : fmt::format("{:.1f}", value.get<double>());
+std::string mean_of(const flight::Metric& metric, const OrderedJson& agent, radio::QosKind kind) {
+  const OrderedJson& value = agent[metric.mean_key];
+  return value.is_null()
+             ? "-"
+             : fmt::format("{:.{}f}", value.get<double>() / metric.unit_in(kind).stored_per_shown, metric.decimals);
 }
 
 std::string gain(const OrderedJson& agent, double unit) {
@@ -50,35 +52,31 @@ std::string quartiles(const OrderedJson& agent, double unit) {
   return interval(OrderedJson::array({agent["qos_q25"], agent["qos_q75"]}), unit);
 }
 
-std::vector<TextTable::Cell> table_row(const std::string& name, const OrderedJson& agent, double unit) {
-  return {agents::marked(name, agents::privilege_tier(agent["privilege"].get<std::string>())),
-          agent["trials"].dump(),
-          digits(agent["qos_mean"], unit),
-          interval(agent["qos_ci95"], unit),
-          digits(agent["qos_median"], unit),
-          quartiles(agent, unit),
-          one_decimal(agent["height_mean_m"]),
-          one_decimal(agent["height_changes_mean"]),
-          one_decimal(agent["handovers_mean"]),
-          digits(agent["energy_mean_j"], 1000.0),
-          gain(agent, unit)};
+std::vector<TextTable::Cell> table_row(const std::string& name, const OrderedJson& agent, radio::QosKind kind) {
+  const double unit = flight::metrics()[flight::quality].unit_in(kind).stored_per_shown;
+  std::vector<TextTable::Cell> row{agents::marked(name, agents::privilege_tier(agent["privilege"].get<std::string>())),
+                                   agent["trials"].dump(),
+                                   digits(agent["qos_mean"], unit),
+                                   interval(agent["qos_ci95"], unit),
+                                   digits(agent["qos_median"], unit),
+                                   quartiles(agent, unit)};
+  for (const flight::Metric& metric : flight::other_metrics()) row.emplace_back(mean_of(metric, agent, kind));
+  row.emplace_back(gain(agent, unit));
+  return row;
 }
 
 TextTable condition_table(const OrderedJson& condition) {
-  const bool throughput = condition.at("qos_unit") == "kbit/s";
-  TextTable table({{"agent"},
-                   {"trials", 5},
-                   {throughput ? "Mbit/s" : "bit/s/Hz"},
-                   {"[95 %]", 1},
-                   {"median", 7},
-                   {"[quartiles]", 8},
-                   {"height m", 2},
-                   {"changes", 6},
-                   {"handovers", 3},
-                   {"kJ", 4},
-                   {"gain over min-height"}});
-  for (const auto& [name, agent] : condition.at("agents").items())
-    table.add(table_row(name, agent, throughput ? 1000.0 : 1.0));
+  const radio::QosKind kind = condition.at("qos_unit") == qos_unit(WorldKind::measured)
+                                  ? radio::QosKind::throughput
+                                  : radio::QosKind::spectral_efficiency;
+  std::vector<TextTable::Column> columns{
+      {"agent"},     {"trials", 5}, {std::string(flight::metrics()[flight::quality].unit_in(kind).shown)},
+      {"[95 %]", 1}, {"median", 7}, {"[quartiles]", 8}};
+  for (const flight::Metric& metric : flight::other_metrics())
+    columns.push_back({std::string(metric.heading), metric.table_rank});
+  columns.push_back({"gain over min-height"});
+  TextTable table(std::move(columns));
+  for (const auto& [name, agent] : condition.at("agents").items()) table.add(table_row(name, agent, kind));
   return table;
 }
 
@@ -93,28 +91,19 @@ bool has_agent(const OrderedJson& summary, Predicate predicate) {
 }  // namespace
 
 std::string summary_csv(const OrderedJson& summary) {
-  static constexpr std::array numbers{"trials",
-                                      "qos_mean",
-                                      "qos_ci95",
-                                      "qos_median",
-                                      "qos_q25",
-                                      "qos_q75",
-                                      "height_mean_m",
-                                      "height_changes_mean",
-                                      "handovers_mean",
-                                      "energy_mean_j",
-                                      "gain_over_min_height_mean",
-                                      "gain_over_min_height_ci95"};
+  std::vector<std::string> numbers;  // all agents have the same
+  for (const auto& [key, value] : summary.at("conditions").at(0).at("agents").front().items())
+    if (key != "privilege") numbers.push_back(key);
   std::string text = "condition,agent,privilege,qos_unit";
-  for (const std::string_view key : numbers)
+  for (const std::string& key : numbers)
     text += key.ends_with("ci95") ? fmt::format(",{0}_low,{0}_high", key) : fmt::format(",{}", key);
   text += '\n';
   for (const OrderedJson& condition : summary.at("conditions"))
     for (const auto& [name, agent] : condition.at("agents").items()) {
       text += fmt::format("{},{},{},{}", csv_cell(condition.at("name")), name, csv_cell(agent.at("privilege")),
                           csv_cell(condition.at("qos_unit")));
-      for (const std::string_view key : numbers) {
-        const OrderedJson& value = agent.at(std::string(key));
+      for (const std::string& key : numbers) {
+        const OrderedJson& value = agent.at(key);
         if (!key.ends_with("ci95"))
           text += ',' + csv_cell(value);
         else

@@ -6,8 +6,11 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include "common/base/error.hpp"
 #include "common/store/result_store.hpp"
@@ -16,8 +19,9 @@ namespace aloft::store {
 namespace {
 
 constexpr int application_id = 0x416C6F66;  // "Alof"; `file results.sqlite` shows it
-constexpr int schema_version = 3;
-constexpr int schema_version_without_tally = 2;
+constexpr int version_without_tally = 2;
+constexpr int version_of_0_2_0 = 3;
+constexpr int version_with_later_metrics = 4;
 constexpr int busy_timeout_ms = 5000;
 constexpr std::uintmax_t no_room_bytes = 1U << 20U;
 
@@ -37,12 +41,7 @@ CREATE TABLE flight (  -- One row per stored flight.
   condition INTEGER NOT NULL,  -- From 0, in the order of the sweep.
   trial INTEGER NOT NULL,  -- From 0.
   agent TEXT NOT NULL,  -- Its name in the experiment.
-  qos_mean REAL NOT NULL,  -- Mean quality over the steps: bit/s/Hz in generated worlds, kbit/s in measured ones.
-  height_mean_m REAL NOT NULL,  -- Mean height over the steps.
-  height_changes INTEGER NOT NULL,  -- Steps in which the height changed.
-  energy_j REAL NOT NULL,  -- Energy of the flight; docs/experiments.md tells how it is counted.
-  handovers INTEGER,  -- Changes of the serving cell; NULL: the cells are unknown.
-  digest TEXT NOT NULL,  -- SHA-256 of the trace.
+{}  digest TEXT NOT NULL,  -- SHA-256 of the trace.
   seal INTEGER NOT NULL  -- Hash of the rest of the row: a changed number is noticed.
 ) STRICT;
 CREATE TABLE trace (  -- The steps of every flight.
@@ -100,19 +99,33 @@ void create_schema(SQLite::Database& database) {
   database.exec(database_schema());
   database.exec(tally_counting);
   database.exec(fmt::format("PRAGMA application_id = {}", application_id));
-  database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
+  database.exec(fmt::format("PRAGMA user_version = {}", database_version()));
   transaction.commit();
+}
+
+/// A line for every metric.
+std::string metric_columns() {
+  std::vector<flight::Metric> metrics(flight::metrics().begin(), flight::metrics().end());
+  const auto place = [](const flight::Metric& metric) {
+    return metric.format_3_place.value_or(std::numeric_limits<int>::max());
+  };
+  std::stable_sort(metrics.begin(), metrics.end(),
+                   [&](const flight::Metric& a, const flight::Metric& b) { return place(a) < place(b); });
+  std::string text;
+  for (const flight::Metric& metric : metrics)
+    text += fmt::format("  {},  -- {}\n", column_of(metric), metric.description);
+  return text;
 }
 
 void check_identity(SQLite::Database& database, const std::filesystem::path& file) {
   if (pragma(database, "application_id") != application_id)
     throw InputError(fmt::format("'{}' is a database of another program; use another folder", file.string()));
   if (const int version = pragma(database, "user_version");
-      version != schema_version && version != schema_version_without_tally)
+      version < version_without_tally || version > version_with_later_metrics)
     throw InputError(
         fmt::format("'{}' has format {}, this program reads format {}; use the version of Aloft that wrote "
                     "it, or another folder",
-                    file.string(), version, schema_version));
+                    file.string(), version, database_version()));
 }
 
 void check_structure(SQLite::Database& database, const std::filesystem::path& file) {
@@ -129,7 +142,7 @@ void check_rows(SQLite::Database& database, const std::filesystem::path& file) {
   if (traceless.executeStep())
     refuse_damaged(file,
                    fmt::format("the trace of row {} of table flight was removed", traceless.getColumn(0).getInt64()));
-  const bool has_tally = pragma(database, "user_version") != schema_version_without_tally;
+  const bool has_tally = pragma(database, "user_version") != version_without_tally;
   SQLite::Statement counts(database,
                            fmt::format("SELECT (SELECT count(*) FROM experiment), (SELECT count(*) FROM flight), "
                                        "(SELECT count(*) FROM trace), {}",
@@ -186,11 +199,19 @@ std::unique_ptr<SQLite::Database> open_for_reading(const std::filesystem::path& 
 }  // namespace
 
 std::string database_schema() {
-  return std::string(schema) + std::string(tally_schema) + std::string(later_schema);
+  return fmt::format(schema, metric_columns()) + std::string(tally_schema) + std::string(later_schema);
 }
 
-int database_version() noexcept {
-  return schema_version;
+int database_version() {
+  const auto& metrics = flight::metrics();
+  return std::all_of(metrics.begin(), metrics.end(),
+                     [](const flight::Metric& metric) { return metric.format_3_place.has_value(); })
+             ? version_of_0_2_0
+             : version_with_later_metrics;
+}
+
+std::string column_of(const flight::Metric& metric) {
+  return fmt::format("{} {}{}", metric.key, metric.integer ? "INTEGER" : "REAL", metric.optional ? "" : " NOT NULL");
 }
 
 std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access) {
@@ -205,12 +226,12 @@ std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& fil
 }
 
 void update_format(SQLite::Database& database) {
-  if (pragma(database, "user_version") == schema_version) return;
-  SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-  database.exec(std::string(later_schema) + std::string(tally_schema));
-  database.exec(tally_counting);
-  database.exec(fmt::format("PRAGMA user_version = {}", schema_version));
-  transaction.commit();
+  if (pragma(database, "user_version") == version_without_tally) {
+    database.exec(std::string(later_schema) + std::string(tally_schema));
+    database.exec(tally_counting);
+  }
+  if (pragma(database, "user_version") != database_version())
+    database.exec(fmt::format("PRAGMA user_version = {}", database_version()));
 }
 
 bool has_moved(SQLite::Database& database) {

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "common/flight/metrics.hpp"
+
 namespace aloft::store {
 
 inline constexpr const char* database_name = "results.sqlite";
@@ -19,10 +21,13 @@ enum class Access : std::uint8_t { read, write };
 
 /// The SQL that makes the tables of a new database; comments tell what each table and column holds.
 [[nodiscard]] std::string database_schema();
-/// Of that structure.
-[[nodiscard]] int database_version() noexcept;
+/// Of that structure: 3, or 4 with metrics that Aloft 0.2.0 does not know.
+[[nodiscard]] int database_version();
+/// A column of table `flight` in SQL: "energy_j REAL NOT NULL".
+[[nodiscard]] std::string column_of(const flight::Metric& metric);
 
-/// Brings a database that an older Aloft wrote to today's format.
+/// Brings a database that an older Aloft wrote to today's format, but for the columns of table `flight`. Call it inside
+/// a transaction.
 void update_format(SQLite::Database& database);
 
 /// True if its file was moved or removed since it was opened.

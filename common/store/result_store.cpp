@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
+#include <limits>
 #include <stdexcept>
 
 #include "common/base/build_info.hpp"
@@ -14,38 +14,13 @@
 #include "common/experiment/identity.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/store/database.hpp"
+#include "common/store/flight_table.hpp"
 
 namespace aloft::store {
 namespace {
 
 using experiment::Experiment;
 using experiment::FlightKey;
-
-std::size_t agent_index(const Experiment& experiment, std::string_view name) {
-  const auto& agents = experiment.agents;
-  const auto at = std::find_if(agents.begin(), agents.end(), [&](const auto& agent) { return agent.name == name; });
-  return static_cast<std::size_t>(at - agents.begin());
-}
-
-/// Position in canonical order.
-std::int64_t row_id(const Experiment& experiment, const FlightKey& key) {
-  const std::size_t agent = agent_index(experiment, key.agent);
-  if (key.condition >= experiment.conditions.size() || key.trial >= experiment.trials ||
-      agent == experiment.agents.size())
-    throw std::logic_error(fmt::format("experiment '{}' has no flight (condition {}, trial {}, agent '{}')",
-                                       experiment.name, key.condition, key.trial, key.agent));
-  const std::uint64_t trial = std::uint64_t{key.condition} * experiment.trials + key.trial;
-  return static_cast<std::int64_t>(trial * experiment.agents.size() + agent);
-}
-
-std::int64_t seal_of(std::int64_t id, const FlightSummary& flight) {
-  const std::string row =
-      fmt::format("{} {} {} {} {} {} {} {} {} {}", id, flight.key.condition, flight.key.trial, flight.key.agent,
-                  std::bit_cast<std::uint64_t>(flight.qos_mean), std::bit_cast<std::uint64_t>(flight.height_mean_m),
-                  flight.height_changes, std::bit_cast<std::uint64_t>(flight.energy_j),
-                  flight.handovers ? static_cast<int>(*flight.handovers) : -1, flight.digest);
-  return std::bit_cast<std::int64_t>(sha256_id(row));
-}
 
 /// Of a memory and whose it is: it must not be taken for that of another flight either.
 std::string memory_digest(const FlightKey& key, std::string_view memory) {
@@ -68,36 +43,18 @@ struct ResultStore::State {
       : file(dir / database_name),
         lock(access == Access::write ? std::make_unique<WriterLock>(dir) : nullptr),
         is_new(access == Access::write && !std::filesystem::exists(file)),
-        database(open_database(file, access)) {}
+        database(open_database(file, access)),
+        flights(*database, file, experiment) {}
 
   std::filesystem::path file;
   std::unique_ptr<WriterLock> lock;
   bool is_new;
   std::unique_ptr<SQLite::Database> database;
   Experiment experiment;
+  FlightTable flights;
   MadeResults made;
   std::optional<FolderWatch> watch;  // of who writes
   bool batch_open = false;
-  // Statements that every flight needs, prepared once.
-  std::unique_ptr<SQLite::Statement> find_digest;
-  std::unique_ptr<SQLite::Statement> insert_flight;
-  std::unique_ptr<SQLite::Statement> insert_trace;
-  std::unique_ptr<SQLite::Statement> keep_memory;
-
-  void prepare_reading() {
-    find_digest = std::make_unique<SQLite::Statement>(*database, "SELECT digest FROM flight WHERE id = ?");
-  }
-
-  void prepare_writing() {
-    prepare_reading();
-    insert_flight =
-        std::make_unique<SQLite::Statement>(*database, "INSERT INTO flight VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-    insert_trace = std::make_unique<SQLite::Statement>(*database, "INSERT INTO trace VALUES (?, ?)");
-    keep_memory = std::make_unique<SQLite::Statement>(
-        *database,
-        "INSERT INTO memory VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO UPDATE SET trial = excluded.trial, "
-        "digest = excluded.digest, bytes = excluded.bytes WHERE excluded.trial > memory.trial");
-  }
 
   /// The canonical experiment in the database; empty if there is none yet.
   [[nodiscard]] std::string stored_canonical() const {
@@ -114,7 +71,8 @@ struct ResultStore::State {
 
   void store_experiment() const {
     const std::string canonical = experiment.canonical.dump();
-    SQLite::Statement insert(*database, "INSERT INTO experiment VALUES (1, ?, ?, ?, ?)");
+    SQLite::Statement insert(
+        *database, "INSERT INTO experiment (one, id, canonical, canonical_sha256, build) VALUES (1, ?, ?, ?, ?)");
     insert.bind(1, experiment.id);
     insert.bind(2, canonical);
     insert.bind(3, sha256_hex(canonical));
@@ -125,9 +83,7 @@ struct ResultStore::State {
   Stored add(const FlightKey& key, std::string_view trace, std::string_view memory);
   [[nodiscard]] bool may_differ(const FlightKey& key) const;
   void store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const;
-  [[nodiscard]] FlightSummary summary_at(SQLite::Statement& row) const;
-  template <typename Visit>
-  void for_each_flight(Visit&& visit) const;
+  void for_each_flight(const std::function<void(FlightSummary)>& visit) const;
 };
 
 /// A relay that goes on without whoever is lost cannot be flown again the same way; its first record counts.
@@ -136,63 +92,31 @@ bool ResultStore::State::may_differ(const FlightKey& key) const {
 }
 
 Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std::string_view memory) {
-  const std::int64_t id = row_id(experiment, key);
+  const std::optional<std::string> before = flights.digest(key);
   const std::uint32_t lineages = experiment.agent(key.agent).lineages();
   if ((lineages > 0) == memory.empty())
     throw IntegrityError(
         fmt::format("condition {}, trial {}, agent '{}': {}", key.condition, key.trial, key.agent,
                     memory.empty() ? "its memory for the next flight is missing" : "this agent has no memory to keep"));
   const std::string digest = sha256_hex(trace);
-  find_digest->reset();
-  find_digest->bind(1, id);
-  if (find_digest->executeStep()) {
-    const std::string before = find_digest->getColumn(0).getString();
-    find_digest->reset();
-    if (before == digest || may_differ(key)) return Stored::already_there;
+  if (before) {
+    if (*before == digest || may_differ(key)) return Stored::already_there;
     throw IntegrityError(fmt::format(
         "condition {}, trial {}, agent '{}' was flown twice with different results (digests {} and {}); equal flights "
         "must be equal: are builds or machines mixed in this run?",
-        key.condition, key.trial, key.agent, before, digest));
+        key.condition, key.trial, key.agent, *before, digest));
   }
-  find_digest->reset();
-  const flight::FlightRecord record = decode_trace(trace);
-  if (record.steps.empty()) throw IntegrityError("a flight without steps is no result");
-  const FlightSummary flight{key,
-                             record.qos_mean(),
-                             record.height_mean_m(),
-                             record.height_changes(),
-                             record.energy_j(experiment.costs_in(experiment.conditions.at(key.condition))),
-                             record.handovers(),
-                             digest};
-
-  SQLite::Statement& row = *insert_flight;
-  row.reset();
-  row.bind(1, id);
-  row.bind(2, key.condition);
-  row.bind(3, key.trial);
-  row.bind(4, key.agent);
-  row.bind(5, flight.qos_mean);
-  row.bind(6, flight.height_mean_m);
-  row.bind(7, flight.height_changes);
-  row.bind(8, flight.energy_j);
-  if (flight.handovers)
-    row.bind(9, *flight.handovers);
-  else
-    row.bind(9);
-  row.bind(10, digest);
-  row.bind(11, seal_of(id, flight));
-  row.exec();
-  insert_trace->reset();
-  insert_trace->bind(1, id);
-  insert_trace->bindNoCopy(2, trace.data(), static_cast<int>(trace.size()));
-  insert_trace->exec();
+  flights.insert({key, flights.measure(key.condition, trace), digest}, trace);
   if (lineages > 0) store_memory(key, lineages, memory);
   return Stored::added;
 }
 
 void ResultStore::State::store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const {
-  SQLite::Statement& row = *keep_memory;
-  row.reset();
+  SQLite::Statement row(
+      *database,
+      "INSERT INTO memory (condition, agent, lineage, trial, digest, bytes) VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO "
+      "UPDATE SET trial = excluded.trial, digest = excluded.digest, bytes = excluded.bytes WHERE excluded.trial > "
+      "memory.trial");
   row.bind(1, key.condition);
   row.bind(2, key.agent);
   row.bind(3, key.trial % lineages);
@@ -200,30 +124,10 @@ void ResultStore::State::store_memory(const FlightKey& key, std::uint32_t lineag
   row.bind(5, memory_digest(key, memory));
   row.bindNoCopy(6, memory.data(), static_cast<int>(memory.size()));
   row.exec();
-  row.reset();
 }
 
-FlightSummary ResultStore::State::summary_at(SQLite::Statement& row) const {
-  FlightSummary flight;
-  flight.key = {row.getColumn(1).getUInt(), row.getColumn(2).getUInt(), row.getColumn(3).getString()};
-  flight.qos_mean = row.getColumn(4).getDouble();
-  flight.height_mean_m = row.getColumn(5).getDouble();
-  flight.height_changes = row.getColumn(6).getUInt();
-  flight.energy_j = row.getColumn(7).getDouble();
-  if (!row.getColumn(8).isNull()) flight.handovers = row.getColumn(8).getUInt();
-  flight.digest = row.getColumn(9).getString();
-  const std::int64_t id = row.getColumn(0).getInt64();
-  if (seal_of(id, flight) != row.getColumn(10).getInt64())
-    refuse_damaged(file, fmt::format("row {} of table flight was altered", id));
-  return flight;
-}
-
-template <typename Visit>
-void ResultStore::State::for_each_flight(Visit&& visit) const {
-  with_errors_of(file, [&] {
-    SQLite::Statement rows(*database, "SELECT * FROM flight ORDER BY id");
-    while (rows.executeStep()) visit(summary_at(rows));
-  });
+void ResultStore::State::for_each_flight(const std::function<void(FlightSummary)>& visit) const {
+  with_errors_of(file, [&] { flights.visit(std::numeric_limits<std::int64_t>::min(), -1, visit); });
 }
 
 ResultStore::ResultStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -240,10 +144,12 @@ void ResultStore::State::begin_writing() {
                       "one away",
                       file.parent_path().string(), experiment::describe_differences(there, experiment.canonical)));
   }
+  SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
   update_format(*database);
+  flights.add_missing_columns();
   if (stored.empty()) store_experiment();
+  transaction.commit();
   check_memories();
-  prepare_writing();
 }
 
 /// Without the memory that it ended with, a lineage cannot go on.
@@ -348,7 +254,9 @@ void ResultStore::batch(const std::function<void()>& work) {
 
 void ResultStore::sign(const ProcessName& writer) {
   with_errors_of(state_->file, [&] {
-    SQLite::Statement row(*state_->database, "INSERT OR REPLACE INTO writer VALUES (1, ?, ?, ?, ?)");
+    SQLite::Statement row(
+        *state_->database,
+        "INSERT OR REPLACE INTO writer (one, incarnation, host, pid, since_s) VALUES (1, ?, ?, ?, ?)");
     row.bind(1, std::bit_cast<std::int64_t>(writer.incarnation));
     row.bind(2, writer.host);
     row.bind(3, writer.pid);
@@ -368,16 +276,7 @@ std::optional<ProcessName> ResultStore::writer() const {
 }
 
 bool ResultStore::holds(const FlightKey& key) const {
-  const std::int64_t id = row_id(state_->experiment, key);
-  return with_errors_of(state_->file, [&] {
-    if (!state_->find_digest) state_->prepare_reading();
-    SQLite::Statement& row = *state_->find_digest;
-    row.reset();
-    row.bind(1, id);
-    const bool found = row.executeStep();
-    row.reset();
-    return found;
-  });
+  return with_errors_of(state_->file, [&] { return state_->flights.digest(key).has_value(); });
 }
 
 bool ResultStore::in_place() const {
@@ -402,17 +301,8 @@ void ResultStore::for_each_flight(const std::function<void(const FlightSummary&)
 
 std::optional<std::int64_t> ResultStore::visit_part(std::int64_t from, std::uint32_t limit,
                                                     const std::function<void(const FlightSummary&)>& visit) const {
-  return with_errors_of(state_->file, [&]() -> std::optional<std::int64_t> {
-    SQLite::Statement rows(*state_->database, "SELECT * FROM flight WHERE id >= ? ORDER BY id LIMIT ?");
-    rows.bind(1, from);
-    rows.bind(2, limit);
-    std::optional<std::int64_t> last;
-    while (rows.executeStep()) {
-      visit(state_->summary_at(rows));
-      last = rows.getColumn(0).getInt64();
-    }
-    return last ? std::optional(*last + 1) : std::nullopt;
-  });
+  const auto last = with_errors_of(state_->file, [&] { return state_->flights.visit(from, limit, visit); });
+  return last ? std::optional(*last + 1) : std::nullopt;
 }
 
 std::vector<FlightSummary> ResultStore::flights() const {
@@ -422,21 +312,11 @@ std::vector<FlightSummary> ResultStore::flights() const {
 }
 
 std::string ResultStore::trace(const FlightKey& key) const {
-  const std::int64_t id = row_id(state_->experiment, key);
-  return with_errors_of(state_->file, [&] {
-    SQLite::Statement query(
-        *state_->database,
-        "SELECT flight.*, bytes FROM flight JOIN trace ON trace.flight = flight.id WHERE flight.id = ?");
-    query.bind(1, id);
-    if (!query.executeStep())
-      throw InputError(fmt::format("condition {}, trial {}, agent '{}' is not among the results in '{}'", key.condition,
-                                   key.trial, key.agent, state_->file.parent_path().string()));
-    const FlightSummary flight = state_->summary_at(query);
-    std::string bytes = query.getColumn(11).getString();
-    if (sha256_hex(bytes) != flight.digest)
-      refuse_damaged(state_->file, fmt::format("row {} of table trace was altered", id));
-    return bytes;
-  });
+  std::optional<std::string> bytes = with_errors_of(state_->file, [&] { return state_->flights.trace(key); });
+  if (!bytes)
+    throw InputError(fmt::format("condition {}, trial {}, agent '{}' is not among the results in '{}'", key.condition,
+                                 key.trial, key.agent, state_->file.parent_path().string()));
+  return *std::move(bytes);
 }
 
 std::optional<std::string> ResultStore::memory(const FlightKey& key) const {
@@ -494,7 +374,7 @@ Shortfall shortfall(const ResultStore& results, std::size_t named) {
     next = number;
   };
   results.for_each_flight([&](const FlightSummary& flight) {
-    const auto number = static_cast<std::uint64_t>(row_id(experiment, flight.key));
+    const auto number = static_cast<std::uint64_t>(flight_id(experiment, flight.key));
     miss_until(number);
     next = number + 1;
   });
@@ -503,11 +383,7 @@ Shortfall shortfall(const ResultStore& results, std::size_t named) {
 }
 
 nlohmann::ordered_json summarise(const ResultStore& results) {
-  std::vector<experiment::FlightScore> scores;
-  for (FlightSummary& flight : results.flights())
-    scores.push_back({std::move(flight.key), flight.qos_mean, flight.height_mean_m, flight.height_changes,
-                      flight.energy_j, flight.handovers});
-  return experiment::summarise(results.experiment(), scores, build_id());
+  return experiment::summarise(results.experiment(), results.flights(), build_id());
 }
 
 void write_summary(const std::filesystem::path& dir) {

@@ -14,21 +14,13 @@
 
 #include "common/base/process_name.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/experiment/summary.hpp"
 #include "common/flight/flight.hpp"
 #include "common/store/result_folder.hpp"
 
 namespace aloft::store {
 
-/// One stored flight without its steps.
-struct FlightSummary {
-  experiment::FlightKey key;
-  double qos_mean = 0.0;
-  double height_mean_m = 0.0;
-  std::uint32_t height_changes = 0;
-  double energy_j = 0.0;
-  std::optional<std::uint32_t> handovers;  ///< none: the serving cells are unknown
-  std::string digest;                      ///< SHA-256 of the encoded trace
-};
+using experiment::FlightSummary;
 
 /// No room left on the disk. Nothing of the batch was stored, nothing stored before is lost: try again later.
 class StoreFull : public std::runtime_error {

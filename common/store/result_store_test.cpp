@@ -88,11 +88,12 @@ TEST_CASE("flights come back in canonical order, whatever the order of storing")
   CHECK(flights[0].key == first);
   CHECK(flights[1].key == second);  // the experiment's order of agents, not the alphabet's
   CHECK(flights[2].key == later);
-  CHECK(flights[2].qos_mean == 3.0);
-  CHECK(flights[2].height_mean_m == Approx(140.0 / 3.0));
-  CHECK(flights[2].height_changes == 1);
-  CHECK(flights[2].energy_j == Approx(3 * 126.029 + 285.714).epsilon(1e-5));  // three seconds, 10 m of climb
-  CHECK(flights[2].handovers == 0U);
+  CHECK(flights[2].metrics["qos_mean"] == 3.0);
+  CHECK(flights[2].metrics["height_mean_m"].value() == Approx(140.0 / 3.0));
+  CHECK(flights[2].metrics["height_changes"] == 1.0);
+  CHECK(flights[2].metrics["energy_j"].value() ==
+        Approx(3 * 126.029 + 285.714).epsilon(1e-5));  // three seconds, 10 m of climb
+  CHECK(flights[2].metrics["handovers"] == 0.0);
   CHECK(flights[2].digest == sha256_hex(flight_with(3.0)));
   CHECK(results.keys() == std::set<FlightKey>{first, second, later});
   CHECK(results.trace(later) == flight_with(3.0));
@@ -145,7 +146,7 @@ TEST_CASE("storing again is a no-op, storing something else is a loud error") {
   CHECK(results.add(first, flight_with(1.0)) == Stored::already_there);
   CHECK_THROWS_AS(results.add(first, flight_with(1.5)), IntegrityError);
   CHECK_THROWS_WITH(results.add(first, flight_with(1.5)), Contains("condition 0, trial 0, agent 'min-height'"));
-  CHECK(results.flights().at(0).qos_mean == 1.0);
+  CHECK(results.flights().at(0).metrics["qos_mean"] == 1.0);
 }
 
 TEST_CASE("damaged traces, empty flights and flights of no experiment are not stored") {
@@ -487,7 +488,7 @@ TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
     for (std::uint32_t trial = 0; trial < 20; ++trial)
       (void)results.add({0, trial, "min-height"}, flight_with(1.0 + trial, 40));
     for (const FlightSummary& flight : results.flights()) {
-      true_qos.push_back(flight.qos_mean);
+      true_qos.push_back(flight.metrics["qos_mean"].value());
       true_digests.push_back(flight.digest);
     }
   }
@@ -499,7 +500,7 @@ TEST_CASE("no flipped bit and no cut ever gives a wrong number") {
       std::vector<double> qos;
       std::vector<std::string> digests;
       for (const FlightSummary& flight : results.flights()) {
-        qos.push_back(flight.qos_mean);
+        qos.push_back(flight.metrics["qos_mean"].value());
         digests.push_back(sha256_hex(results.trace(flight.key)));
       }
       CHECK(qos == true_qos);

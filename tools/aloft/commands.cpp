@@ -50,11 +50,4 @@ CLI::Option& ExperimentOptions::add_to(CLI::App& command) {
   return *option;
 }
 
-void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices) {
-  format = choices.front();
-  command.add_option("--format", format, "Output format")
-      ->check(CLI::IsMember(std::move(choices)))
-      ->capture_default_str();
-}
-
 }  // namespace aloft::cli

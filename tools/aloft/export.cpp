@@ -67,14 +67,16 @@ Row key_row(const experiment::Experiment& experiment, const experiment::FlightKe
           {"qos_unit", experiment::qos_unit(condition.kind)}};
 }
 
+Row exported(const flight::Metric& metric, const std::optional<double>& value) {
+  if (!value) return nullptr;
+  return metric.integer ? Row(static_cast<std::int64_t>(*value)) : Row(*value);
+}
+
 void export_flights(const store::ResultStore& results, RowWriter& rows) {
   for (const store::FlightSummary& flight : results.flights()) {
     Row row = key_row(results.experiment(), flight.key);
-    row["qos_mean"] = flight.qos_mean;
-    row["height_mean_m"] = flight.height_mean_m;
-    row["height_changes"] = flight.height_changes;
-    row["handovers"] = flight.handovers ? Row(*flight.handovers) : Row();
-    row["energy_j"] = flight.energy_j;
+    for (std::size_t i = 0; i < flight::metrics().size(); ++i)
+      row[std::string(flight::metrics()[i].key)] = exported(flight::metrics()[i], flight.metrics[i]);
     row["digest"] = flight.digest;
     rows.write(row);
   }

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "common/base/terminal.hpp"
+#include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
 
@@ -15,6 +16,13 @@ void TableOptions::add_to(CLI::App& command, const std::string& what_is_brief) {
 TableShape TableOptions::shape() const {
   return {
       .width = wide ? unlimited_width : text_width(STDOUT_FILENO), .brief = brief, .bold = isatty(STDOUT_FILENO) == 1};
+}
+
+void add_format(CLI::App& command, std::string& format, std::vector<std::string> choices) {
+  format = choices.front();
+  command.add_option("--format", format, "Output format")
+      ->check(CLI::IsMember(std::move(choices)))
+      ->capture_default_str();
 }
 
 }  // namespace aloft::cli

@@ -32,9 +32,13 @@ const experiment::Condition* same_condition(const experiment::Experiment& experi
   return nullptr;
 }
 
+double qos_mean(const store::FlightSummary& flight) {
+  return flight.metrics.number(flight::quality);
+}
+
 std::vector<double> all_qos(const Flights& flights) {
   std::vector<double> qos;
-  for (const auto& [trial, flight] : flights) qos.push_back(flight->qos_mean);
+  for (const auto& [trial, flight] : flights) qos.push_back(qos_mean(*flight));
   return qos;
 }
 
@@ -45,8 +49,8 @@ void compare_pairs(AgentComparison& row, const Flights& a, const Flights& b, std
   for (const auto& [trial, flight] : a) {
     const auto other = b.find(trial);
     if (other == b.end()) continue;
-    qos_a.push_back(flight->qos_mean);
-    qos_b.push_back(other->second->qos_mean);
+    qos_a.push_back(qos_mean(*flight));
+    qos_b.push_back(qos_mean(*other->second));
     difference.push_back(qos_b.back() - qos_a.back());
   }
   row.flights_a = row.flights_b = difference.size();

@@ -32,7 +32,9 @@ Experiment experiment(const std::string& id, std::uint64_t seed, const std::vect
 
 FlightSummary flight(std::uint32_t condition, std::uint32_t trial, const std::string& agent, double qos,
                      const std::string& digest) {
-  return {{condition, trial, agent}, qos, 0.0, 0, 0.0, 0U, digest};
+  FlightSummary made{{condition, trial, agent}, {}, digest};
+  made.metrics[aloft::flight::quality] = qos;
+  return made;
 }
 
 }  // namespace

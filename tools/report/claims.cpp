@@ -31,9 +31,19 @@ constexpr Interval published_gain{0.06, 0.41};
 /// The paper's reinforcement learner.
 constexpr const char* learner = "dqn";
 
-using Values = std::vector<double> AgentTrials::*;
+using Values = const std::vector<double>& (*)(const AgentTrials&);
 using Conditions = std::span<const ConditionTrials>;
 using Comparisons = std::vector<Comparison>;
+
+const std::vector<double>& qos(const AgentTrials& agent) {
+  return agent.qos;
+}
+const std::vector<double>& mean_height(const AgentTrials& agent) {
+  return agent.metrics.at("height_mean_m");
+}
+const std::vector<double>& height_changes(const AgentTrials& agent) {
+  return agent.metrics.at("height_changes");
+}
 
 bool is_paper_baseline(const AgentTrials& agent) {
   return agent.type == "min-height" || agent.type == "constant" || agent.type == "random-walk";
@@ -59,7 +69,7 @@ std::uint64_t seed_of(const std::string& what) {
 Comparison difference(std::string what, std::string unit, const AgentTrials& a, const AgentTrials& b, Values values,
                       Interval claimed) {
   std::vector<double> differences;
-  for (const auto& [i, k] : pairs(a, b)) differences.push_back((a.*values)[i] - (b.*values)[k]);
+  for (const auto& [i, k] : pairs(a, b)) differences.push_back(values(a)[i] - values(b)[k]);
   Interval interval = experiment::bootstrap_ci95(differences, seed_of(what));
   if (!interval.known() && !differences.empty()) interval = {differences.front(), differences.front()};  // all the same
   return {std::move(what), std::move(unit), interval, claimed, differences.size()};
@@ -137,7 +147,7 @@ Comparisons best_feasible(Conditions conditions) {
     for (const AgentTrials* good : best)
       for (const AgentTrials* baseline : agents_where(condition, is_paper_baseline))
         comparisons.push_back(difference(fmt::format("{}: {} − {}", here(condition), good->name, baseline->name),
-                                         condition.qos_unit(), *good, *baseline, &AgentTrials::qos, positive));
+                                         condition.qos_unit(), *good, *baseline, qos, positive));
   }
   return comparisons;
 }
@@ -179,7 +189,7 @@ Comparisons fewer_changes(Conditions conditions) {
     const AgentTrials* ahead = condition.agent("one-step-ahead");
     if (rl == nullptr || ahead == nullptr) continue;
     comparisons.push_back(difference(fmt::format("{}: {} − one-step-ahead", here(condition), learner),
-                                     "changes per flight", *rl, *ahead, &AgentTrials::height_changes, negative));
+                                     "changes per flight", *rl, *ahead, height_changes, negative));
   }
   return comparisons;
 }
@@ -204,9 +214,7 @@ const std::vector<Reading>& readings() {
       {"density-lowers-qos",
        "Read as: the mean of each of the paper's agents falls from each base-station density to the next larger one.",
        "at least two base-station densities in otherwise equal worlds",
-       [](Conditions conditions) {
-         return along_bs_density(conditions, &AgentTrials::qos, "bit/s/Hz", negative, any_agent);
-       }},
+       [](Conditions conditions) { return along_bs_density(conditions, qos, "bit/s/Hz", negative, any_agent); }},
       {"buildings-hardly-matter",
        "Read as: from each building density to the next larger one, the mean of each of the paper's agents (all fly at "
        "40 m or more, above nearly all buildings) changes by less than 10 %.",
@@ -216,7 +224,7 @@ const std::vector<Reading>& readings() {
        "density to the next larger one.",
        "at least two base-station densities in otherwise equal worlds",
        [](Conditions conditions) {
-         return along_bs_density(conditions, &AgentTrials::height_m, "m", positive,
+         return along_bs_density(conditions, mean_height, "m", positive,
                                  [](const AgentTrials& a) { return !is_paper_baseline(a); });
        }},
       {"fewer-height-changes",

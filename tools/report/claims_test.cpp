@@ -156,7 +156,7 @@ TEST_CASE("Building density hardly matters: less than 10 % between neighbours", 
 TEST_CASE("Heights of the adaptive agents and their changes", "[report]") {
   const auto at = [](double bs_density_per_km2, double height_m) {
     ConditionTrials result = world(bs_density_per_km2, 200, 1.0);
-    for (AgentTrials& one : result.agents) one.height_m.assign(one.trials.size(), height_m);
+    for (AgentTrials& one : result.agents) one.metrics["height_mean_m"].assign(one.trials.size(), height_m);
     return result;
   };
   CHECK(judged("density-raises-height", {at(1, 40.0), at(2.5, 55.0), at(5, 70.0)}).verdict == Verdict::supported);
@@ -165,7 +165,7 @@ TEST_CASE("Heights of the adaptive agents and their changes", "[report]") {
   const auto busy = [](double learner_changes) {
     std::vector<AgentTrials> agents = papers_agents({});
     for (AgentTrials& one : agents)
-      one.height_changes.assign(one.trials.size(), one.name == "dqn" ? learner_changes : 60.0);
+      one.metrics["height_changes"].assign(one.trials.size(), one.name == "dqn" ? learner_changes : 60.0);
     return everywhere(agents);
   };
   CHECK(judged("fewer-height-changes", busy(10.0)).verdict == Verdict::supported);

@@ -29,8 +29,10 @@ std::vector<Flown> read_flights(const store::ResultStore& results, std::uint32_t
   for (const experiment::FlightKey& key : results.keys())
     if (key.condition == condition && key.trial == trial)
       flown.push_back({key.agent, store::decode_trace(results.trace(key))});
-  std::stable_sort(flown.begin(), flown.end(),
-                   [](const Flown& a, const Flown& b) { return shown_before(a.agent, b.agent); });
+  const auto rank = [&](const Flown& one) {
+    return agents::agent_type(results.experiment().agent(one.agent).type).rank_of(one.agent);
+  };
+  std::stable_sort(flown.begin(), flown.end(), [&](const Flown& a, const Flown& b) { return rank(a) < rank(b); });
   return flown;
 }
 

@@ -10,6 +10,7 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "tools/report/agent_list.hpp"
 #include "tools/report/claims.hpp"
 #include "tools/report/flight_view.hpp"
 #include "tools/report/paper.hpp"
@@ -79,22 +80,16 @@ json missing_lines(const std::vector<ReportCondition>& conditions, bool name_exp
   return lines;
 }
 
-/// Every agent of any run once, in the order of display.
-json agent_list(const std::vector<ReportCondition>& conditions) {
-  std::vector<const AgentTrials*> agents;
-  for (const ReportCondition& condition : conditions)
-    for (const AgentTrials& agent : condition.all.agents)
-      if (std::none_of(agents.begin(), agents.end(),
-                       [&](const AgentTrials* other) { return other->name == agent.name; }))
-        agents.push_back(&agent);
-  std::stable_sort(agents.begin(), agents.end(),
-                   [](const AgentTrials* a, const AgentTrials* b) { return shown_before(a->name, b->name); });
+/// All metrics but the quality, in the order of the columns.
+json metric_list() {
   json list = json::array();
-  for (const AgentTrials* agent : agents)
-    list.push_back({{"name", agent->name},
-                    {"type", agent->type},
-                    {"learns", agents::agent_type(agent->type).learns},
-                    {"privilege", agents::privilege_tier(agent->privilege).name}});
+  for (const flight::Metric& metric : flight::other_metrics())
+    list.push_back({{"name", metric.name},
+                    {"title", title_of(metric)},
+                    {"decimals", metric.report_decimals},
+                    {"better", metric.better == flight::Better::higher  ? json("higher")
+                               : metric.better == flight::Better::lower ? json("lower")
+                                                                        : json()}});
   return list;
 }
 
@@ -219,7 +214,8 @@ nlohmann::json report_data(std::span<const store::ResultStore> runs, const Choic
             {"build", fmt::format("aloft {}", build_id())},
             {"experiments", json::array()},
             {"missing", missing_lines(conditions, several)},
-            {"agents", agent_list(conditions)},
+            {"agents", agent_list(all)},
+            {"metrics", metric_list()},
             {"privilege_tiers", tier_list()},
             {"marks_explained", agents::marks_explained()},
             {"learner", learner.empty() ? json() : json(learner)},

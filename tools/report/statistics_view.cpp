@@ -105,13 +105,11 @@ json agent_row(const ConditionTrials& condition, const AgentTrials& agent, const
            {"iqm", rounded(experiment::interquartile_mean(agent.qos))},
            {"iqm_ci95", as_json(resampled_ci95(std::span<const double>(agent.qos), condition.seed,
                                                experiment::interquartile_mean))},
-           {"height_mean_m", rounded(experiment::mean(agent.height_m))},
-           {"height_ci95_m", as_json(experiment::bootstrap_ci95(agent.height_m, condition.seed))},
-           {"height_changes_mean", rounded(experiment::mean(agent.height_changes))},
-           {"energy_mean_kj", rounded(experiment::mean(agent.energy_kj))},
-           {"handovers_mean", rounded(experiment::mean(agent.handovers))},
+           {"height_ci95_m", as_json(experiment::bootstrap_ci95(agent.metrics.at("height_mean_m"), condition.seed))},
            {"profile", performance_profile(agent.qos, thresholds)},
            {"gain", gain_over(agent, condition.agent("min-height"), condition.seed)}};
+  for (const flight::Metric& metric : flight::other_metrics())
+    row["metrics"][std::string(metric.name)] = rounded(experiment::mean(agent.metrics.at(std::string(metric.key))));
   row["headroom_share"] = headroom_share(row["gain"], condition);
   add_box(row, agent.qos);
   return row;

@@ -8,9 +8,9 @@ namespace aloft::report {
 
 /// Everything the page shows over the trials of one condition; null if no flight is stored:
 /// {"trials", "profile_thresholds": [q...], "agents": [{"name", "privilege", "trials", "mean", "ci95": [lo, hi],
-/// "median", "q25", "q75", "whiskers": [lo, hi], "outliers": [...], "iqm", "iqm_ci95", "height_mean_m",
-/// "height_ci95_m", "height_changes_mean", "energy_mean_kj", "handovers_mean" (null: unknown), "headroom_share" (0:
-/// min-height, 1: the planner; null without them), "profile": [share of trials above each threshold...], "gain": null |
+/// "median", "q25", "q75", "whiskers": [lo, hi], "outliers": [...], "iqm", "iqm_ci95", "height_ci95_m", "metrics":
+/// {name: mean in the unit that people read; null: unknown}, "headroom_share" (0: min-height, 1: the planner; null
+/// without them), "profile": [share of trials above each threshold...], "gain": null |
 /// {"pairs", "mean", "ci95", "probability_of_improvement"}}]}, gain over min-height on the same worlds. The intervals
 /// are seeded like those of summary.json, and equal to them; null where nothing varies, as with one trial.
 [[nodiscard]] nlohmann::json statistics_view(const ConditionTrials& condition);

@@ -45,8 +45,8 @@ TEST_CASE("The share of the head-room runs from min-height to the planner", "[re
   CHECK(view["agents"][0]["headroom_share"] == 0.0);
   CHECK(view["agents"][1]["headroom_share"] == 1.0);
   CHECK(view["agents"][2]["headroom_share"] == 0.125);  // 0.5 of 4
-  CHECK(view["agents"][2]["energy_mean_kj"] == 12.5);
-  CHECK(view["agents"][2]["handovers_mean"] == 3.0);
+  CHECK(view["agents"][2]["metrics"]["energy"] == 12.5);
+  CHECK(view["agents"][2]["metrics"]["handovers"] == 3.0);
   const json without = statistics_view(condition(1, 200, {agent("min-height", "min-height", {4.0})}));
   CHECK(without["agents"][0]["headroom_share"].is_null());
 }

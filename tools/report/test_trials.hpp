@@ -10,7 +10,8 @@
 
 namespace aloft::report::testing {
 
-/// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes, 12.5 kJ, 3 handovers.
+/// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes, 12.5 kJ, 3 handovers, 0 of
+/// all other metrics.
 inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
   AgentTrials result{std::move(name), std::move(type)};
   const agents::AgentSpec spec =
@@ -23,10 +24,11 @@ inline AgentTrials agent(std::string name, std::string type, std::vector<double>
   result.parameters = spec.parameters.to_json();
   result.qos = std::move(qos);
   for (std::size_t i = 0; i < result.qos.size(); ++i) result.trials.push_back(static_cast<std::uint32_t>(i));
-  result.height_m.assign(result.qos.size(), 40.0);
-  result.height_changes.assign(result.qos.size(), 0.0);
-  result.energy_kj.assign(result.qos.size(), 12.5);
-  result.handovers.assign(result.qos.size(), 3.0);
+  for (const flight::Metric& metric : flight::other_metrics())
+    result.metrics[std::string(metric.key)].assign(result.qos.size(), 0.0);
+  result.metrics["height_mean_m"].assign(result.qos.size(), 40.0);
+  result.metrics["energy_j"].assign(result.qos.size(), 12.5);  // kJ, as shown
+  result.metrics["handovers"].assign(result.qos.size(), 3.0);
   return result;
 }
 

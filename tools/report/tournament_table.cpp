@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "tools/report/agent_list.hpp"
 #include "tools/report/statistics_view.hpp"
 
 namespace aloft::report {
@@ -63,12 +64,20 @@ std::string interval_cell(const json& ci, const char* format) {
   return ci.is_null() ? "-" : fmt::format(fmt::runtime(format), ci[0].get<double>(), ci[1].get<double>());
 }
 
-std::string number_or_dash(const json& value, const char* format) {
-  return value.is_null() ? "-" : fmt::format(fmt::runtime(format), value.get<double>());
+std::string number_or_dash(const json& value, int decimals) {
+  return value.is_null() ? "-" : fmt::format("{:.{}f}", value.get<double>(), decimals);
+}
+
+std::vector<flight::Metric> overview_metrics() {
+  std::vector<flight::Metric> chosen;
+  for (const flight::Metric& metric : flight::other_metrics())
+    if (metric.overview_decimals) chosen.push_back(metric);
+  return chosen;
 }
 
 /// Mean of one number over the generated conditions; none if any lacks it.
-std::optional<double> mean_over(const std::vector<Column>& columns, const std::string& agent, const char* key) {
+std::optional<double> mean_over(const std::vector<Column>& columns, const std::string& agent,
+                                const json::json_pointer& key) {
   double sum = 0.0;
   double count = 0.0;
   for (const Column& column : columns) {
@@ -79,18 +88,6 @@ std::optional<double> mean_over(const std::vector<Column>& columns, const std::s
     ++count;
   }
   return count > 0.0 ? std::optional(sum / count) : std::nullopt;
-}
-
-/// All agents of all conditions, in the order of display.
-std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> conditions) {
-  std::vector<const AgentTrials*> agents;
-  for (const ConditionTrials& condition : conditions)
-    for (const AgentTrials& agent : condition.agents)
-      if (std::none_of(agents.begin(), agents.end(), [&](const auto* other) { return other->name == agent.name; }))
-        agents.push_back(&agent);
-  std::stable_sort(agents.begin(), agents.end(),
-                   [](const auto* a, const auto* b) { return shown_before(a->name, b->name); });
-  return agents;
 }
 
 /// The agent without privilege that gains most; none if one of them has flown but once: one flight decides nothing.
@@ -121,19 +118,21 @@ TextTable tournament_overview(std::span<const ConditionTrials> conditions, const
     best.push_back(winner(column, agents));
     headings.push_back({heading(*column.condition)});
   }
-  for (const char* more : {"head-room closed", "height changes", "kJ", "µs per step"}) headings.push_back({more, 1});
+  headings.push_back({"head-room closed", 1});
+  for (const flight::Metric& metric : overview_metrics()) headings.push_back({heading_of(metric), 1});
+  headings.push_back({"µs per step", 1});
   TextTable table(std::move(headings));
   for (const AgentTrials* agent : agents) {
     std::vector<TextTable::Cell> row{agents::marked(agent->name, agents::privilege_tier(agent->privilege))};
     for (std::size_t i = 0; i < columns.size(); ++i)
       row.push_back(gain_cell(columns[i].row(agent->name), best[i] == agent->name));
-    const auto share = mean_over(columns, agent->name, "headroom_share");
-    const auto changes = mean_over(columns, agent->name, "height_changes_mean");
-    const auto energy = mean_over(columns, agent->name, "energy_mean_kj");
+    const auto share = mean_over(columns, agent->name, "/headroom_share"_json_pointer);
     const auto cost = costs.find(agent->name);
     row.emplace_back(share ? fmt::format("{:.0f} %", 100.0 * *share) : "-");
-    row.emplace_back(changes ? fmt::format("{:.0f}", *changes) : "-");
-    row.emplace_back(energy ? fmt::format("{:.1f}", *energy) : "-");
+    for (const flight::Metric& metric : overview_metrics()) {
+      const auto mean = mean_over(columns, agent->name, "/metrics"_json_pointer / std::string(metric.name));
+      row.emplace_back(mean ? fmt::format("{:.{}f}", *mean, *metric.overview_decimals) : "-");
+    }
     row.emplace_back(cost == costs.end() ? "-" : fmt::format("{:.{}f}", cost->second, cost->second < 10 ? 1 : 0));
     table.add(std::move(row));
   }
@@ -147,10 +146,15 @@ std::string tournament_details(std::span<const ConditionTrials> conditions) {
     if (view.is_null()) continue;
     text += fmt::format(
         "### {}\n\n| agent | trials | {} | 95 % interval | gain over min-height | 95 % interval | better in | "
-        "head-room "
-        "closed | height m | height changes | handovers | kJ |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "head-room closed |",
         condition.kind == experiment::WorldKind::measured ? condition.label : heading(condition) + " per km²",
         condition.qos_unit());
+    std::string rule = "|---|---|---|---|---|---|---|---|";
+    for (const flight::Metric& metric : flight::other_metrics()) {
+      text += fmt::format(" {} |", heading_of(metric));
+      rule += "---|";
+    }
+    text += fmt::format("\n{}\n", rule);
     for (const json& row : view.at("agents")) {
       const json& gain = row.at("gain");
       const auto& tier = agents::privilege_tier(row.at("privilege").get<std::string>());
@@ -166,10 +170,10 @@ std::string tournament_details(std::span<const ConditionTrials> conditions) {
                             row.at("headroom_share").is_null()
                                 ? "-"
                                 : fmt::format("{:.0f} %", 100.0 * row.at("headroom_share").get<double>()));
-      text += fmt::format(" {} | {} | {} | {} |\n", number_or_dash(row.at("height_mean_m"), "{:.1f}"),
-                          number_or_dash(row.at("height_changes_mean"), "{:.1f}"),
-                          number_or_dash(row.at("handovers_mean"), "{:.1f}"),
-                          number_or_dash(row.at("energy_mean_kj"), "{:.1f}"));
+      for (const flight::Metric& metric : flight::other_metrics())
+        text += fmt::format(" {} |",
+                            number_or_dash(row.at("metrics").at(std::string(metric.name)), metric.report_decimals));
+      text += '\n';
     }
     text += '\n';
   }

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -12,20 +12,6 @@ namespace aloft::report {
 namespace {
 
 using experiment::WorldKind;
-
-constexpr std::array<std::string_view, 10> display_order{
-    "min-height",     "constant-60",    "constant-120", "constant-240", "random-walk",
-    "one-step-ahead", "optimal-height", "planner",      "local-bandit", "dqn"};
-// Agents that are not in the list stand before the learner of the paper, which closes every list.
-std::size_t rank(std::string_view name) {
-  const auto* const found = std::find(display_order.begin(), display_order.end(), name);
-  if (found != display_order.end()) {
-    const auto index = static_cast<std::size_t>(found - display_order.begin());
-    return name == "dqn" ? index + 1 : index;
-  }
-  if (name.starts_with("constant-")) return 3;
-  return display_order.size() - 1;
-}
 
 std::string readable(const std::string& key, const nlohmann::json& value) {
   const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
@@ -68,8 +54,7 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
   trials.label = label_of(condition, trials.measured_file);
   for (const agents::AgentSpec& spec : experiment.agents)
     trials.agents.push_back({spec.name, spec.type, spec.privilege(), spec.parameters.to_json()});
-  std::stable_sort(trials.agents.begin(), trials.agents.end(),
-                   [](const AgentTrials& a, const AgentTrials& b) { return shown_before(a.name, b.name); });
+  std::stable_sort(trials.agents.begin(), trials.agents.end(), shown_before);
   return trials;
 }
 
@@ -79,10 +64,7 @@ AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& 
   for (const std::size_t i : indices) {
     some.trials.push_back(from.trials[i]);
     some.qos.push_back(from.qos[i]);
-    some.height_m.push_back(from.height_m[i]);
-    some.height_changes.push_back(from.height_changes[i]);
-    some.energy_kj.push_back(from.energy_kj[i]);
-    some.handovers.push_back(from.handovers[i]);
+    for (const auto& [key, values] : from.metrics) some.metrics[key].push_back(values[i]);
   }
   return some;
 }
@@ -104,16 +86,26 @@ const char* ConditionTrials::qos_name() const {
   return kind == WorldKind::measured ? "Throughput" : "Spectral efficiency";
 }
 
-const char* ConditionTrials::qos_unit() const {
-  return kind == WorldKind::measured ? "Mbit/s" : "bit/s/Hz";
+std::string ConditionTrials::qos_unit() const {
+  return std::string(flight::metrics()[flight::quality].unit_in(experiment::qos_kind(kind)).shown);
 }
 
 double qos_scale(WorldKind kind) {
   return kind == WorldKind::measured ? 1e-3 : 1.0;
 }
 
-bool shown_before(std::string_view a, std::string_view b) {
-  return rank(a) < rank(b);
+std::string title_of(const flight::Metric& metric) {
+  std::string title(metric.name);
+  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
+  return metric.unit.shown.empty() ? title : fmt::format("{} ({})", title, metric.unit.shown);
+}
+
+std::string heading_of(const flight::Metric& metric) {
+  return std::string(metric.unit.shown.empty() ? metric.name : metric.heading);
+}
+
+bool shown_before(const AgentTrials& a, const AgentTrials& b) {
+  return agents::agent_type(a.type).rank_of(a.name) < agents::agent_type(b.type).rank_of(b.name);
 }
 
 std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
@@ -126,12 +118,14 @@ std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
     for (AgentTrials& agent : conditions[i].agents) by_name[i][agent.name] = &agent;
   for (const store::FlightSummary& flight : results.flights()) {  // ascending trials per condition
     AgentTrials& agent = *by_name.at(flight.key.condition).at(flight.key.agent);
+    const WorldKind kind = conditions[flight.key.condition].kind;
     agent.trials.push_back(flight.key.trial);
-    agent.qos.push_back(flight.qos_mean * qos_scale(conditions[flight.key.condition].kind));
-    agent.height_m.push_back(flight.height_mean_m);
-    agent.height_changes.push_back(flight.height_changes);
-    agent.energy_kj.push_back(flight.energy_j / 1000.0);
-    agent.handovers.push_back(flight.handovers ? *flight.handovers : std::numeric_limits<double>::quiet_NaN());
+    agent.qos.push_back(flight.metrics.number(flight::quality) * qos_scale(kind));
+    for (std::size_t i = flight::quality + 1; i < flight::metrics().size(); ++i) {
+      const flight::Metric& metric = flight::metrics()[i];
+      agent.metrics[std::string(metric.key)].push_back(flight.metrics.number(i) /
+                                                       metric.unit_in(experiment::qos_kind(kind)).stored_per_shown);
+    }
   }
   return conditions;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,11 +21,9 @@ struct AgentTrials {
   agents::Privilege privilege = agents::Privilege::none;
   nlohmann::json parameters{};  ///< with every default filled in
   std::vector<std::uint32_t> trials{};
-  std::vector<double> qos{};       ///< mean of the flight, in the condition's unit
-  std::vector<double> height_m{};  ///< mean of the flight
-  std::vector<double> height_changes{};
-  std::vector<double> energy_kj{};
-  std::vector<double> handovers{};  ///< NaN: unknown
+  std::vector<double> qos{};  ///< mean of the flight, in the condition's unit
+  /// All other metrics by their keys, in the units in which people read them; NaN: unknown.
+  std::map<std::string, std::vector<double>, std::less<>> metrics{};
 };
 
 /// What the report knows about one condition.
@@ -47,7 +46,7 @@ struct ConditionTrials {
   [[nodiscard]] std::string world() const;
   [[nodiscard]] const AgentTrials* agent(std::string_view agent_name) const;
   [[nodiscard]] const char* qos_name() const;
-  [[nodiscard]] const char* qos_unit() const;  ///< bit/s/Hz or Mbit/s
+  [[nodiscard]] std::string qos_unit() const;  ///< bit/s/Hz or Mbit/s
 };
 
 /// Measured throughput is stored in kbit/s and shown in Mbit/s.
@@ -56,8 +55,13 @@ struct ConditionTrials {
 /// The conditions of one store with their flights, in the order of the sweep.
 [[nodiscard]] std::vector<ConditionTrials> read_trials(const store::ResultStore& results);
 
-/// The place of an agent in every table and chart: the paper's baselines, the references, then learners.
-[[nodiscard]] bool shown_before(std::string_view a, std::string_view b);
+/// "Energy (kJ)", "Handovers".
+[[nodiscard]] std::string title_of(const flight::Metric& metric);
+/// "kJ", "handovers".
+[[nodiscard]] std::string heading_of(const flight::Metric& metric);
+
+/// The order of every table and chart: by the ranks of the agents (agents/look.hpp).
+[[nodiscard]] bool shown_before(const AgentTrials& a, const AgentTrials& b);
 
 /// Values of two agents on the same worlds: pairs of indices into their lists, by trial.
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> pairs(const AgentTrials& a, const AgentTrials& b);

@@ -137,7 +137,7 @@ export function performanceProfile(data, condition, context) {
 export function meanHeightChart(data, experiment, context) {
   const conditions = data.conditions.filter((condition) => condition.experiment === experiment && condition.views[context.view]);
   const values = conditions.flatMap((condition) => condition.views[context.view].agents.map((agent) => ({
-    agent: agent.name, condition: condition.label, height: agent.height_mean_m, ...ends(agent.height_ci95_m),
+    agent: agent.name, condition: condition.label, height: agent.metrics['mean height'], ...ends(agent.height_ci95_m),
     text: interval(agent.height_ci95_m, 1), privileged: isPrivileged(data, agent.name),
   })));
   const names = [...new Set(values.map((row) => row.agent))];
@@ -175,7 +175,7 @@ function paretoFront(rows) {
 export function energyChart(data, condition, context) {
   const agents = condition.views[context.view].agents;
   const rows = agents.map((agent) => ({
-    agent: agent.name, shown: marked(data, agent.name), energy: agent.energy_mean_kj, qos: agent.mean, ...ends(agent.ci95),
+    agent: agent.name, shown: marked(data, agent.name), energy: agent.metrics.energy, qos: agent.mean, ...ends(agent.ci95),
     text: interval(agent.ci95), privileged: isPrivileged(data, agent.name),
   }));
   const surface = surfaces[context.theme];

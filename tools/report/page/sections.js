@@ -44,7 +44,9 @@ export function selectionRemark(data) {
 
 export function summaryTable(data, condition, context) {
   const view = condition.views[context.view];
-  const height = (agent) => number(agent.height_mean_m, 1);
+  const metric = ({name, title, decimals}) => ({
+    title, number: true, text: ({metrics}) => (metrics[name] === null ? 'unknown' : number(metrics[name], decimals)),
+  });
   const gain = (agent) => agent.gain && agent.name !== 'min-height';
   return table([
     {title: 'Agent', header: true, text: (agent) => agentName(data, agent.name, context.theme)},
@@ -53,10 +55,7 @@ export function summaryTable(data, condition, context) {
     {title: '95 % interval', number: true, text: (agent) => interval(agent.ci95)},
     {title: 'Median', number: true, text: (agent) => number(agent.median)},
     {title: 'Interquartile mean', number: true, text: (agent) => number(agent.iqm) + (agent.iqm_ci95 ? ` (${interval(agent.iqm_ci95)})` : '')},
-    {title: 'Mean height (m)', number: true, text: height},
-    {title: 'Height changes', number: true, text: (agent) => number(agent.height_changes_mean, 1)},
-    {title: 'Handovers', number: true, text: (agent) => (agent.handovers_mean === null ? 'unknown' : number(agent.handovers_mean, 1))},
-    {title: 'Energy (kJ)', number: true, text: (agent) => number(agent.energy_mean_kj, 1)},
+    ...data.metrics.map(metric),
     {title: 'Gain over min-height', number: true, text: (agent) => (gain(agent) ? signed(agent.gain.mean) : '–')},
     {title: '95 % interval', number: true, text: (agent) => (gain(agent) ? signedInterval(agent.gain.ci95) : '–')},
     {title: 'Better in', number: true, text: (agent) => (gain(agent) ? percent(agent.gain.probability_of_improvement) : '–')},

@@ -1,0 +1,68 @@
+#include "common/flight/metrics.hpp"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+
+#include "common/base/error.hpp"
+
+using namespace aloft;
+using namespace aloft::flight;
+
+namespace {
+
+/// Two steps, at 40 and 60 m, that start at 40 m; served by cells 3 and 4.
+FlightRecord two_steps(double qos) {
+  FlightRecord record;
+  record.height_start_m = 40.0;
+  record.pilots = {"someone"};
+  record.steps.push_back({1, agents::Action::hold, 0.0, 0.0, 40.0, 3, 1.0, qos, qos, 0, {}});
+  record.steps.push_back({2, agents::Action::up, 10.0, 0.0, 60.0, 4, 1.0, 3 * qos, 3 * qos, 0, {}});
+  return record;
+}
+
+}  // namespace
+
+TEST_CASE("every metric is measured of a flight, by hand") {
+  const MetricValues values = measure(two_steps(2.0), {});
+  CHECK(values["qos_mean"] == 4.0);
+  CHECK(values["height_mean_m"] == 50.0);
+  CHECK(values["height_changes"] == 1.0);
+  CHECK(values["handovers"] == 1.0);
+  CHECK(values["energy_j"].value() == Approx(2 * 126.029 + 20.0 * 20.0 / 0.7).epsilon(1e-5));
+  FlightRecord unknown_cells = two_steps(2.0);
+  for (StepRecord& step : unknown_cells.steps) step.serving_cell = -1;
+  CHECK(measure(unknown_cells, {})["handovers"] == std::nullopt);
+}
+
+TEST_CASE("what is no flight, or no number, is not measured") {
+  CHECK_THROWS_AS(measure({}, {}), IntegrityError);
+  CHECK_THROWS_AS(measure(two_steps(std::numeric_limits<double>::infinity()), {}), IntegrityError);
+  CHECK_THROWS_AS(metric_index("speed"), std::logic_error);
+}
+
+TEST_CASE("the table of metrics is sound") {
+  std::set<std::string_view> names;
+  for (const Metric& metric : metrics()) {
+    INFO(metric.key);
+    CHECK(names.insert(metric.key).second);
+    CHECK_FALSE((metric.mean_key.empty() || metric.name.empty() || metric.heading.empty()));
+    CHECK((metric.mean_key == metric.key || names.insert(metric.mean_key).second));
+    CHECK(metric.description.ends_with('.'));
+    CHECK(metric.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string_view::npos);
+    CHECK((metric.unit.stored_per_shown > 0.0 && metric.unit.stored.empty() == metric.unit.shown.empty()));
+  }
+  CHECK(metrics()[quality].key == "qos_mean");
+  CHECK(metrics()[quality].unit_in(radio::QosKind::throughput).stored == "kbit/s");
+  CHECK(metrics()[quality].unit_in(radio::QosKind::spectral_efficiency).stored == "bit/s/Hz");
+}
+
+TEST_CASE("databases of format 3 have the columns of Aloft 0.2.0 in its order") {
+  std::map<int, std::string_view> places;
+  for (const Metric& metric : metrics())
+    if (metric.format_3_place) places[*metric.format_3_place] = metric.key;
+  CHECK(places == std::map<int, std::string_view>{
+                      {0, "qos_mean"}, {1, "height_mean_m"}, {2, "height_changes"}, {3, "energy_j"}, {4, "handovers"}});
+}

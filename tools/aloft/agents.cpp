@@ -38,7 +38,7 @@ std::string range_of(const nlohmann::json& property) {
   return property.value("type", "") == "boolean" ? "true or false" : "a text";
 }
 
-/// Prints items of lines that fit the terminal.
+/// Prints items, broken into lines that fit the terminal.
 class Printer {
  public:
   void item(std::size_t indent, const std::string& text) const {
@@ -49,7 +49,7 @@ class Printer {
   std::size_t width_ = text_width(STDOUT_FILENO);
 };
 
-/// JSON that lines can be broken in.
+/// JSON with spaces, at which lines can be broken.
 std::string with_spaces(const nlohmann::json& value) {
   std::string text;
   for (const char c : value.dump()) text += c == ',' ? ", " : std::string(1, c);
@@ -88,7 +88,7 @@ void print_text(const AgentType& type, bool brief) {
   print_parameters(print, agents::crew_parameters());
 }
 
-/// By its type, or as experiments may call it: constant-120.
+/// Finds an agent type by its name, or by a short form that experiments accept, e.g. constant-120.
 const AgentType& type_called(const std::string& name) {
   for (const AgentType& type : agents::agent_types())
     if (type.name == name) return type;

@@ -12,7 +12,7 @@ namespace aloft::cli {
 /// What the chosen subcommand does; returns the exit code.
 using Job = std::function<int()>;
 
-/// Each adds one subcommand to `app`; when the command line names it, `job` is set.
+/// Each function adds one subcommand to `app`, which sets `job` when the command line names it.
 void add_run(CLI::App& app, Job& job);
 void add_worker(CLI::App& app, Job& job);
 void add_coordinator(CLI::App& app, Job& job);
@@ -38,12 +38,12 @@ struct ExperimentOptions {
   std::filesystem::path file;
   experiment::Overrides overrides;
 
-  /// Returns the option of the file, which is required.
+  /// Adds the options and returns that of the file, which is required.
   CLI::Option& add_to(CLI::App& command);
   [[nodiscard]] experiment::Experiment load() const { return experiment::load(file, overrides); }
 };
 
-/// Checks what is given as the name of an agent, before anybody is asked for it.
+/// Checks the form of an agent's name before a process is asked for that agent.
 [[nodiscard]] CLI::Validator agent_name();
 
 /// Adds "--format" with these choices; the first is the default.

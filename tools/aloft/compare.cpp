@@ -18,7 +18,7 @@ using compare::Comparison;
 
 constexpr std::size_t settings_shown = 10;
 
-/// Two open result folders and what comes of comparing them.
+/// Two open result folders and their comparison.
 struct Both {
   std::filesystem::path dir_a;
   std::filesystem::path dir_b;
@@ -33,7 +33,7 @@ struct Both {
 std::uint32_t first_different_step(const flight::FlightRecord& a, const flight::FlightRecord& b) {
   const std::size_t common = std::min(a.steps.size(), b.steps.size());
   for (std::size_t i = 0; i < common; ++i) {
-    // One step by itself, encoded: whatever field differs, and NaN equals NaN.
+    // Encoded steps are compared, so that every field counts and NaN equals NaN.
     const auto alone = [i](const flight::FlightRecord& record) {
       flight::FlightRecord one = record;
       one.steps = {record.steps[i]};

@@ -19,8 +19,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto look_period = 500ms;       // at the result folder
-constexpr auto full_retry_time = 1000ms;  // after the disk was full
+constexpr auto look_period = 500ms;       // of checks that the result folder is in place
+constexpr auto full_retry_time = 1000ms;  // between attempts to store on a full disk
 constexpr auto interrupt_period = 50ms;
 
 struct Flown {
@@ -97,7 +97,7 @@ class Run {
     std::vector<Flown> flown;
     const bool all_flown = succeeds(condition, trial, [&] { fly_missing(condition, trial, flown); });
     const bool stored = succeeds(condition, trial, [&] { store_all(flown); });
-    if (!stored) failed_ = true;  // a full or broken store: no use in flying on
+    if (!stored) failed_ = true;  // further flights could not be stored either
     return all_flown && stored;
   }
 
@@ -146,7 +146,7 @@ class Run {
     return std::move(*memory);
   }
 
-  /// Waits for room if the disk is full.
+  /// Waits for space if the disk is full.
   void store_all(const std::vector<Flown>& flown) {
     bool waits = false;
     do {
@@ -199,7 +199,7 @@ class Run {
   const experiment::Experiment& experiment_;
   const std::set<experiment::FlightKey> stored_;
   const std::uint32_t lineages_;            // of each condition
-  const std::vector<std::uint32_t> order_;  // of all lineages; empty: as they come
+  const std::vector<std::uint32_t> order_;  // of all lineages; empty: ascending
   unsigned fail_fast_;
   Progress& progress_;
   const std::atomic<bool>& interrupted_;
@@ -208,7 +208,7 @@ class Run {
   std::atomic<bool> failed_ = false;
   std::mutex mutex_;
   std::uint64_t done_;
-  std::uint64_t waiting_ = 0;  // for room on the disk
+  std::uint64_t waiting_ = 0;  // flights that wait for space on the disk
   std::vector<std::string> failures_;
   std::optional<std::string> gone_;
 };

@@ -23,7 +23,7 @@ struct InspectOptions {
   std::string format;
 };
 
-/// By index or by name; InputError lists what there is.
+/// Finds a condition by index or name; InputError lists the conditions.
 const experiment::Condition& find_condition(const experiment::Experiment& experiment, const std::string& wanted) {
   constexpr std::uint32_t shown = 20;
   std::string known;

@@ -4,7 +4,7 @@
 
 namespace aloft::cli {
 
-/// From now on Ctrl-C and SIGTERM do not end this process; the result says whether one has come.
+/// From now on Ctrl-C and SIGTERM do not end this process but set the flag that is returned.
 const std::atomic<bool>& note_interrupts();
 
 }  // namespace aloft::cli

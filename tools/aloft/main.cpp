@@ -21,7 +21,7 @@ std::vector<std::string> names_of(const CLI::App& app) {
   return names;
 }
 
-/// A wrong flag or command: say which, and what was probably meant.
+/// Reports a wrong flag or command, and what was probably meant.
 int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& arguments) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
@@ -36,7 +36,7 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
         hint = aloft::did_you_mean(word, names);
     }
   }
-  constexpr std::size_t longest = 1000;  // of arguments that it repeats
+  constexpr std::size_t longest = 1000;  // the error repeats arguments
   std::string path;
   for (const CLI::App* part = command; part != nullptr; part = part->get_parent())
     path = part->get_name() + (path.empty() ? "" : " ") + path;

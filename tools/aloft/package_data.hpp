@@ -9,8 +9,8 @@ namespace aloft::cli {
 /// Names of the experiments that come with the program, sorted: the files of share/aloft/experiments beside its bin/.
 [[nodiscard]] std::vector<std::string> package_experiments();
 
-/// The experiment file that a user means: the file `given`, or else the package's experiment of that name. InputError
-/// lists the package's experiments.
+/// The file `given` if it exists, or else the package's experiment of that name. InputError lists the package's
+/// experiments.
 [[nodiscard]] std::filesystem::path find_experiment(const std::filesystem::path& given);
 
 }  // namespace aloft::cli

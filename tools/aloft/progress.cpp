@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::chrono::seconds repeat_period{60};
 
-/// Seconds that are counted, and trials that come one after the other, make no other message.
+/// Messages that differ only in numbers (seconds, trials) count as the same message.
 std::string without_numbers(const std::string& message) {
   std::string kind;
   for (const char c : message) {

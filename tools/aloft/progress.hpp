@@ -14,14 +14,14 @@ class Progress {
  public:
   Progress(std::uint64_t flights_total, std::uint64_t flights_already_done);
 
-  /// `message` names what the run waits for or the last error; empty if all is well. What is new in it stays as a line
-  /// of its own; the same again, but for its numbers, does so once per minute.
+  /// `message` names what the run waits for or the last error; empty if all is well. A new message is also printed as a
+  /// line that stays; one that differs from an earlier one in its numbers only, at most once per minute.
   void update(std::uint64_t flights_done, unsigned workers_alive, unsigned workers_wanted, const std::string& message);
-  /// There is no news, but time passes.
+  /// Redraws the line without a new status, because elapsed times change.
   void tick();
-  /// A line of its own that stays, e.g. a restarted process.
+  /// Prints a line that stays, e.g. about a restarted process.
   void note(const std::string& line);
-  /// The last state, as a line that stays.
+  /// Prints the last state as a line that stays.
   void finish();
 
  private:
@@ -37,7 +37,7 @@ class Progress {
   bool heard_ = false;
   status::Pace pace_;
   Clock::time_point started_ = Clock::now();
-  std::map<std::string, Clock::time_point> told_;  ///< messages without their numbers
+  std::map<std::string, Clock::time_point> told_;  ///< when each message, without its numbers, was printed
 };
 
 }  // namespace aloft::cli

@@ -49,7 +49,7 @@ experiment::Experiment make_experiment(const std::string& name, std::uint32_t tr
   return experiment::parse(file.dump(), name);
 }
 
-/// --data gcq=FILE: the flights by name.
+/// Files of measured flights by name, from --data gcq=FILE.
 std::map<std::string, std::string> measured_files(const std::vector<std::string>& data) {
   const std::vector<std::string> known{"gcq", "nwq"};
   std::map<std::string, std::string> files;
@@ -64,7 +64,7 @@ std::map<std::string, std::string> measured_files(const std::vector<std::string>
   return files;
 }
 
-/// Everything is resolved, and so checked, before anything is flown.
+/// Resolves, and so checks, all experiments before the first is flown.
 std::vector<experiment::Experiment> experiments(const ReproduceOptions& options) {
   std::vector<experiment::Experiment> list;
   const auto files = measured_files(options.data);

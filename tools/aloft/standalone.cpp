@@ -1,4 +1,4 @@
-// "aloft coordinator" and "aloft metrics": the services of a run that is spread over several machines, one at a time.
+// "aloft coordinator" and "aloft metrics" each start one service of a run over several machines.
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@ struct StandaloneOptions {
   ExperimentOptions experiment;
   std::filesystem::path out;
   bus::BusOptions bus;
-  std::vector<std::string> more;  // for the service
+  std::vector<std::string> more;  // further arguments of the service
 
   void add_to(CLI::App& command) {
     command.add_option("--run", bus.run, "Name of the run, the same for all its processes")
@@ -30,8 +30,8 @@ struct StandaloneOptions {
   }
 };
 
-/// A file without a name that the program which replaces this one reads: the resolved experiment is checked here, and
-/// leaves nothing behind.
+/// A file in memory, read by the service that replaces this process: the resolved experiment is checked here, and no
+/// temporary file is left behind.
 std::string unnamed_file(const std::string& content) {
   const int descriptor = memfd_create("experiment", 0);
   if (descriptor < 0 || write(descriptor, content.data(), content.size()) != static_cast<ssize_t>(content.size()))
@@ -39,7 +39,7 @@ std::string unnamed_file(const std::string& content) {
   return fmt::format("/proc/self/fd/{}", descriptor);
 }
 
-/// The service takes this process over: its signals, its exit code, its place under a service manager.
+/// Replaces this process with the service, so that signals, exit code and service manager refer to it.
 [[noreturn]] void become(const std::string& program, const StandaloneOptions& options, const std::string& experiment) {
   std::vector<std::string> arguments{program,
                                      "--experiment",
@@ -59,7 +59,7 @@ std::string unnamed_file(const std::string& content) {
   throw std::system_error(errno, std::generic_category(), "cannot start " + program_path(program).string());
 }
 
-/// An option of the service itself; it is checked there.
+/// Adds an option that the service itself checks.
 void pass_on(CLI::App& command, const std::shared_ptr<StandaloneOptions>& options, const std::string& flag,
              const std::string& help) {
   command.add_option_function<std::string>(
@@ -74,7 +74,7 @@ std::string resolved(const ExperimentOptions& options) {
   return unnamed_file(options.load().canonical.dump());
 }
 
-/// What the command line changes in the experiment needs the experiment.
+/// The experiment of the command line, or the stored one, which the command line cannot change.
 std::string resolved_or_stored(const StandaloneOptions& options) {
   if (!options.experiment.file.empty()) return resolved(options.experiment);
   const std::filesystem::path stored = options.out / "experiment.json";

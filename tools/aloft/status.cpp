@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds poll_period{100};
 constexpr std::chrono::milliseconds redraw_period{500};
 constexpr std::chrono::milliseconds record_period{1000};
 constexpr std::chrono::milliseconds plain_line_period{5000};
-// Processes announce themselves twice a second; news of a run come twice a second.
+// Processes announce themselves, and runs publish their status, every 0.5 s.
 constexpr std::chrono::milliseconds settle_time{1000};
 
 struct StatusOptions {
@@ -74,7 +74,7 @@ class Observer {
     for (auto& [name, run] : runs_) run.listen();
   }
 
-  /// Every run that is there has told all.
+  /// All runs found so far have published everything that is shown.
   [[nodiscard]] bool complete() const {
     return std::all_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.second.view().complete(); });
   }
@@ -98,7 +98,7 @@ class Observer {
   std::map<std::string, RunObserver> runs_;
 };
 
-/// In ASCII: of its text, none may reach a terminal as a command.
+/// JSON in ASCII, so that no text from the wire is a command to the terminal.
 std::string dump(const Json& json, int indent) {
   return json.dump(indent, ' ', true, Json::error_handler_t::replace) + "\n";
 }
@@ -113,12 +113,12 @@ std::string nobody(const StatusOptions& options) {
       options.bus.secure.empty() ? ", secured (--secure)" : ", secured by another authority");
 }
 
-/// In a terminal of at most one row.
+/// One line, cut to the width of the terminal.
 std::string brief_line(const Json& run, std::size_t width) {
   return cut_to(status::run_line(run), width) + "\n";
 }
 
-/// What to show now, `first`: for the first time. Empty: nothing yet.
+/// The text to show; empty if there is no run.
 std::string picture(const StatusOptions& options, const Json& news, bool terminal) {
   if (options.format == "json") return dump(news, options.watch ? -1 : 2);
   std::string text;

@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds plain_line_period{5000};
 constexpr std::chrono::seconds repeat_period{60};
 constexpr std::string_view erase_line = "\r\033[K";
 
-/// One less than the row has: a terminal may go to the next line after the last column. COLUMNS may be out of date.
+/// One column less than the row, because some terminals wrap after the last one. COLUMNS can be out of date.
 std::size_t row_width() {
   const std::size_t columns = terminal_columns(STDERR_FILENO);
   return std::min(text_width(STDERR_FILENO), columns > 0 ? columns : unlimited_width) - 1;

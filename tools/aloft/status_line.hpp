@@ -7,19 +7,18 @@
 
 namespace aloft::cli {
 
-/// The last row of the terminal that standard error is: it never takes more than that row, and whatever else is printed
-/// goes above it. Where standard error is no terminal, the same text is a plain line every few seconds. May be used by
-/// several threads.
+/// The last row of the terminal on standard error. It never takes more than one row; other output goes above it. If
+/// standard error is no terminal, the text is printed as a plain line every few seconds. Thread-safe.
 class StatusLine {
  public:
-  /// The one of this process: there is only one last row.
+  /// The only object of this class, because a terminal has one last row.
   static StatusLine& of_process();
 
-  /// What the row shows from now on; drawn at most a few times per second, or `now`.
+  /// Sets the text of the row; drawn at most a few times per second, or `now`.
   void show(std::string text, bool now = false);
-  /// Lines that stay, above the row; without a row just lines.
+  /// Prints lines that stay above the row.
   void print(std::string_view lines);
-  /// The text shown last becomes a line that stays, and the row is free.
+  /// Turns the last text into a line that stays, and frees the row.
   void finish();
 
  private:
@@ -33,8 +32,8 @@ class StatusLine {
   Clock::time_point drawn_{};
 };
 
-/// From now on what this process logs goes above the status line; a message that comes again and again is told once per
-/// minute, with how often it was left out.
+/// From now on log messages appear above the status line; a repeated message is shown once per minute, with the number
+/// of repetitions left out.
 void log_above_status_line();
 
 }  // namespace aloft::cli

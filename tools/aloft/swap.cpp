@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds ask_again{500};
-constexpr std::chrono::seconds find_limit{5};  // workers tell about themselves every 0.5 s
+constexpr std::chrono::seconds find_limit{5};  // workers publish their status every 0.5 s
 
 struct SwapOptions {
   bus::BusOptions place;
@@ -75,8 +75,7 @@ class Swap {
     const std::vector<std::string> names(seen_.begin(), seen_.end());
     if (names.empty())
       throw InputError(
-          fmt::format("nobody flies in run '{}' on domain {}; name a run with: aloft run ... --run {} "
-                      "--domain {}",
+          fmt::format("nobody flies in run '{}' on domain {}; name a run with: aloft run ... --run {} --domain {}",
                       options_.place.run, options_.place.domain, options_.place.run, options_.place.domain));
     if (!seen_.contains(worker))
       throw InputError(fmt::format("run '{}' has no worker '{}'.{} Its workers: {}", options_.place.run, worker,
@@ -85,7 +84,7 @@ class Swap {
         fmt::format("the channel of worker '{}' was not reached within {} s; see its log", worker, find_limit.count()));
   }
 
-  /// Until the agent has commanded in every flight it was wanted in; with a later step, until the order is taken.
+  /// Waits until the agent commands every flight that it was ordered to; with --at-step, until the order is accepted.
   void wait_for_reply() {
     const auto limit = Clock::now() + std::chrono::seconds(options_.limit_s);
     const auto done = [this] {

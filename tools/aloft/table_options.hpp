@@ -7,7 +7,7 @@
 
 namespace aloft::cli {
 
-/// How tables for people are fitted to standard output (base/terminal.hpp).
+/// How text tables are fitted to standard output (base/terminal.hpp).
 struct TableOptions {
   bool brief = false;  ///< only what matters most
   bool wide = false;   ///< everything side by side, however long the lines

@@ -47,8 +47,8 @@ bool trains_in_flight(const Json& agent) {
   return agent.at("type") == "dqn";
 }
 
-/// Two experiments over the same worlds: agents that train in flight cost a thousand times as much as all others
-/// together, and fly only the first trials, together with those that gains and head-room are counted against.
+/// Two experiments over the same worlds. Agents that train in flight cost a thousand times as much as all others
+/// together, so they fly only the first trials, with the two agents that gains and head-room refer to.
 std::vector<experiment::Experiment> split(const Json& whole, std::uint32_t dqn_trials) {
   Json cheap = whole;
   Json costly = whole;
@@ -70,7 +70,7 @@ std::vector<experiment::Experiment> split(const Json& whole, std::uint32_t dqn_t
   return parts;
 }
 
-/// Everything is resolved, and so checked, before anything is flown.
+/// Resolves, and so checks, all experiments before the first is flown.
 std::vector<experiment::Experiment> experiments(const TournamentOptions& options) {
   ExperimentOptions chosen = options.experiment;
   if (chosen.file.empty()) chosen.file = find_experiment("tournament");
@@ -96,7 +96,7 @@ void measure_step_costs(const experiment::Experiment& experiment, report::StepCo
   map->prepare();
   for (const agents::AgentSpec& spec : experiment.agents) {
     if (agents::agent_type(spec.type).foreign || costs.contains(spec.name)) continue;
-    (void)spec.make();  // what is read once per process
+    (void)spec.make();  // a model file is read once per process, which must not count
     std::uint64_t steps = 0;
     const double started_s = thread_cpu_s();
     double spent_s = 0.0;

@@ -49,7 +49,7 @@ class Desk {
     StatusLine::of_process().show(status_[0] + (status_[0].empty() || status_[1].empty() ? "" : "    ") + status_[1]);
   }
 
-  /// All lines of one side; the last one is news.
+  /// Takes all lines of one side; the last one is new.
   void validated(std::size_t side, const std::vector<std::string>& lines) {
     const std::lock_guard lock(mutex_);
     if (lines.empty()) return;

@@ -10,7 +10,7 @@
 namespace aloft::cli {
 namespace {
 
-/// With spaces, at which lines can be broken.
+/// The parameters as JSON with spaces, at which lines can be broken.
 std::string parameters_text(const agents::AgentSpec& agent) {
   std::string text;
   const nlohmann::json parameters = agent.parameters.to_json();

@@ -39,7 +39,7 @@ constexpr std::chrono::seconds patience{4};
 struct WorkerOptions {
   bus::BusOptions bus;
   std::string name;
-  bool named = false;  // by the user
+  bool named = false;  // the user gave the name
   std::vector<std::string> agents;
   unsigned learner_threads = usable_cores();
   std::filesystem::path log_dir;
@@ -121,7 +121,7 @@ class Membership {
   void hear_statuses() {
     statuses_.drain([this](const wire::RunStatus& status) {
       stopped_ = status.state() == wire::RUN_STOPPING;
-      if (follower_.experiment()) hear();  // until then, nothing has been heard that could be flown
+      if (follower_.experiment()) hear();  // without the experiment, nothing can be flown
     });
   }
 
@@ -177,9 +177,9 @@ class Membership {
   bus::Waiter waiter_;
   Processes processes_;
   Clock::time_point heard_ = Clock::now();
-  std::time_t seen_at_;  // the same in the time of day
+  std::time_t seen_at_;  // the same as time of day
   bool told_missing_ = false;
-  bool stopped_ = false;  // by a signal to its coordinator: it may go on later
+  bool stopped_ = false;  // by a signal to its coordinator; it can be resumed
 };
 
 int work(WorkerOptions options) {

@@ -61,7 +61,7 @@ void compare_pairs(AgentComparison& row, const Flights& a, const Flights& b, std
   if (ci.known()) row.difference_ci95 = ci;
 }
 
-/// A sample without an interval, but of more than one trial, always gives the same: its mean is exact.
+/// Without an interval, all values of the sample (two or more) are equal, so that the mean is exact.
 Interval interval_or_mean(const std::vector<double>& sample, double mean, std::uint64_t seed) {
   const Interval ci = experiment::bootstrap_ci95(sample, seed);
   return ci.known() ? ci : Interval{mean, mean};

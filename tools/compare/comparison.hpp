@@ -25,17 +25,17 @@ struct AgentComparison {
   agents::Privilege privilege = agents::Privilege::none;  ///< the higher of the two sides
   experiment::WorldKind kind = experiment::WorldKind::generated;
   bool paired = false;        ///< on the same trials; otherwise all flights of A against all of B
-  std::size_t flights_a = 0;  ///< that entered the means
+  std::size_t flights_a = 0;  ///< in the mean of A
   std::size_t flights_b = 0;
   std::size_t in_both = 0;    ///< trials that both sides have flown
-  std::size_t identical = 0;  ///< of these, with the same digest
+  std::size_t identical = 0;  ///< trials of `in_both` with the same digest
   double qos_mean_a = 0.0;
   double qos_mean_b = 0.0;
   double difference = 0.0;                              ///< mean of B - A
-  std::optional<experiment::Interval> difference_ci95;  ///< nothing for one flight, or equal values
+  std::optional<experiment::Interval> difference_ci95;  ///< none for one flight or equal values
 };
 
-/// A flight that both sides have, with two digests.
+/// A flight that both sides have with different digests.
 struct DifferentFlight {
   experiment::FlightKey a;
   experiment::FlightKey b;
@@ -51,14 +51,14 @@ struct Comparison {
   std::size_t only_b = 0;
   std::optional<DifferentFlight> first_different;
 
-  /// The same flights on both sides, byte for byte.
+  /// True if both sides hold the same flights, byte for byte.
   [[nodiscard]] bool all_identical() const noexcept { return only_a == 0 && only_b == 0 && identical == in_both; }
 };
 
 /// Compares what the two sides share: conditions and agents by name. With equal seeds differences are taken on the same
 /// trials (95 % bootstrap interval of their mean). With different seeds the worlds differ, and the interval of the
-/// difference of the means is put together from those of the two means by the method of variance estimates recovery
-/// (Zou and Donner, Statistics in Medicine 27, 2008, Eq. 2). Throws InputError if nothing is shared.
+/// difference follows from the intervals of the two means by the method of variance estimates recovery (Zou and
+/// Donner, Statistics in Medicine 27, 2008, Eq. 2). Throws InputError if nothing is shared.
 [[nodiscard]] Comparison compare(const Side& a, const Side& b);
 
 /// Where the resolved experiments differ in what can change a result: JSON path, value of A, value of B; at most

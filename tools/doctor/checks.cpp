@@ -31,7 +31,7 @@ constexpr std::uint64_t disk_warning_bytes = 1024 * megabyte;
 constexpr std::uint64_t shared_memory_warning_bytes = 64 * megabyte;
 constexpr std::uint64_t socket_buffer_bytes = 4 * megabyte;
 constexpr auto discovery_limit = 5s;
-// RTPS: domain d owns the ports 7400 + 250 d and up; from 10 on two of each participant.
+// RTPS 2.2, 9.6.1.1: domain d has 250 ports from 7400 + 250 d on; from the 10th on, each participant uses two.
 constexpr int first_port = 7400;
 constexpr int ports_per_domain = 250;
 constexpr int participants_offset = 10;
@@ -181,8 +181,7 @@ Finding check_discovery(const bus::BusOptions& place) {
     finding.text = fmt::format("two participants on {} did not hear each other within {} s",
                                fmt::join(place.interfaces, ", "), discovery_limit.count());
     finding.advice =
-        "let multicast and UDP ports 7400 to 32900 pass on this interface (firewall; ip link set dev lo "
-        "multicast on)";
+        "let multicast and UDP ports 7400 to 32900 pass on this interface (firewall; ip link set dev lo multicast on)";
   } catch (const std::exception& error) {
     finding.text = error.what();
     finding.advice = "try another --domain or --interface";

@@ -31,7 +31,7 @@ std::string owner_of(std::string name) {
   return name.starts_with("fastrtps_") ? name : "";
 }
 
-/// Holds the lock of a segment as long as it lives; only if nobody else does.
+/// Holds the lock of a segment as long as this object lives, unless another process has it.
 class Lock {
  public:
   explicit Lock(const fs::path& file) : fd_(open(file.c_str(), O_RDWR | O_CLOEXEC)) {

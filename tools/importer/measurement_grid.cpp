@@ -13,13 +13,13 @@
 namespace aloft::importer {
 namespace {
 
-/// Flights of one agent: whole flights one after another, one value per step.
+/// Names of the two vectors of an agent, which hold its flights one after another with one value per step.
 struct Recording {
   std::string_view throughput;
   std::string_view level;
 };
 
-// The learner comes last: a cell keeps its first value, and only the learner's have rounding noise.
+// The learner comes last: a cell keeps its first value, and only the learner's values have rounding noise.
 constexpr std::array<Recording, 6> recordings{{{"constAchieveableRate", "constheight"},
                                                {"const1AchieveableRate", "const1height"},
                                                {"const2AchieveableRate", "const2height"},
@@ -33,7 +33,7 @@ constexpr std::string_view step_maximum = "optmAchieveableRate";
 constexpr double max_level = 1000;
 constexpr double rounding = 1e-12;  // relative
 
-/// The numbers of one rebuild, and where they came from.
+/// A grid while it is rebuilt, and the source of each value.
 class Rebuild {
  public:
   Rebuild(const NumericVectors& vectors, const GridOptions& options, std::string_view where)
@@ -129,8 +129,8 @@ class Rebuild {
     return steps;
   }
 
-  /// An agent flown as often as the step maxima were recorded, n times, has n values fewer: n * steps instead of
-  /// n * (steps + 1).
+  /// Step maxima have one value more per flight: n * (steps + 1) for n flights. An agent with n flights has n * steps
+  /// values, so that the difference of the lengths is n.
   std::uint32_t detected_steps() const {
     const std::size_t maxima = vector(step_maximum).size();
     std::set<std::size_t> candidates;
@@ -214,7 +214,7 @@ class Rebuild {
   const GridOptions& options_;
   std::string_view where_;
   MeasurementGrid grid_;
-  std::vector<Source> sources_;  // of each cell's value
+  std::vector<Source> sources_;  // where each cell's value comes from
 };
 
 }  // namespace

@@ -74,7 +74,7 @@ std::string unpack(const std::filesystem::path& file) {
   return unpacked;
 }
 
-/// What librdata's callbacks work on: it reads from `bytes` and fills `vectors`.
+/// State of librdata's callbacks, which read from `bytes` and fill `vectors`.
 struct Reading {
   std::string bytes;
   std::size_t position = 0;
@@ -148,7 +148,7 @@ NumericVectors read_r_workspace(const std::filesystem::path& file) {
   rdata_set_close_handler(parser.get(), close_bytes);
   rdata_set_seek_handler(parser.get(), seek_bytes);
   rdata_set_read_handler(parser.get(), read_some);
-  std::free(parser->io->io_ctx);  // librdata's own, which it would forget
+  std::free(parser->io->io_ctx);  // librdata does not free this itself
   rdata_set_io_ctx(parser.get(), &source);
   rdata_set_column_handler(parser.get(), keep_vector);
   rdata_set_error_handler(parser.get(), note_error);

@@ -28,7 +28,7 @@ struct Object {
 
 void write_bytes(const std::filesystem::path& file, const std::string& bytes);
 
-/// A measured flight whose truth is known, [(step - 1) * heights + level - 1], and what flights in it record.
+/// A measured world with known values, [(step - 1) * heights + level - 1], and what flights in it record.
 struct Recorder {
   std::uint32_t steps = 0;
   std::uint32_t heights = 0;

@@ -10,7 +10,7 @@
 namespace aloft::reference {
 namespace {
 
-/// The SQL of a line and its comment.
+/// Splits a line into its SQL and its comment.
 std::pair<std::string, std::string> split(const std::string& line) {
   const std::size_t dashes = line.find("--");
   std::string sql = line.substr(0, dashes);
@@ -28,11 +28,10 @@ std::string described(const std::string& line, const std::string& comment) {
 
 std::string database_page(const std::string& sql, int version) {
   std::string text = fmt::format(
-      "# The database of a run\n{}\n`results.sqlite` in every result folder holds all flights of a run. It is an "
-      "ordinary SQLite database, "
-      "format {} (`PRAGMA user_version`); read it with\nany program at any time, and leave writing to Aloft. Tables of "
-      "steps and of flights, as "
-      "text: `aloft export`.\n",
+      "# The database of a run\n{}\n"
+      "`results.sqlite` in every result folder holds all flights of a run. It is an ordinary SQLite database, "
+      "format {} (`PRAGMA user_version`); read it with\n"
+      "any program at any time, and leave writing to Aloft. Tables of steps and of flights, as text: `aloft export`.\n",
       made_by, version);
   std::istringstream lines(sql);
   for (std::string line; std::getline(lines, line);) {

@@ -7,7 +7,7 @@
 
 namespace aloft::reference {
 
-/// Says on top of a page where it comes from.
+/// A line below the title that names the source of a page.
 inline constexpr const char* made_by =
     "Made by `tools/reference.sh` from the tables that the programs go by; a test keeps it current.\n";
 

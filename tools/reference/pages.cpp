@@ -33,7 +33,7 @@ std::string structure_table() {
   return text;
 }
 
-/// What each named set of defaults changes against the first.
+/// The parameters in which the presets differ, with their values in each.
 std::string preset_table() {
   const std::vector<ParameterSpec>& table = radio::generated_world_parameters();
   const std::vector<std::string>& presets = table.front().choices;
@@ -59,12 +59,14 @@ std::string preset_table() {
 std::string experiments_page() {
   const auto required = experiment::experiment_schema().at("required").get<std::vector<std::string>>();
   return fmt::format(
-      "# Keys of an experiment file\n{}\n[data/README.md](../../data/README.md) tells how an experiment is written; "
-      "`aloft validate` shows what one "
-      "comes to.\n\n## The file\n{}\n{}\n## A generated world\nEvery key takes a value, or a list of values to "
-      "sweep.\n\n{}\n### "
-      "Presets\n\n{}\n## A measured world\n\n{}\n## Agents\nAn entry is the name of an agent, or an object: its "
-      "`type`, optionally a `name` of its own, and "
+      "# Keys of an experiment file\n{}\n"
+      "[data/README.md](../../data/README.md) tells how an experiment is written; `aloft validate` shows what one "
+      "comes to.\n\n"
+      "## The file\n{}\n{}\n"
+      "## A generated world\nEvery key takes a value, or a list of values to sweep.\n\n{}\n"
+      "### Presets\n\n{}\n"
+      "## A measured world\n\n{}\n"
+      "## Agents\nAn entry is the name of an agent, or an object: its `type`, optionally a `name` of its own, and "
       "parameters: [agents.md](agents.md).\n",
       made_by, structure_table(), parameter_table(experiment::file_settings(), required),
       parameter_table(radio::generated_world_parameters()), preset_table(),
@@ -85,9 +87,8 @@ std::string marks_of(const agents::AgentType& type) {
 
 std::string agents_page() {
   std::string text = fmt::format(
-      "# Agents and their parameters\n{}\n`aloft agents` prints the same. Every parameter takes a value, or a list of "
-      "values: one agent "
-      "for each.\n",
+      "# Agents and their parameters\n{}\n"
+      "`aloft agents` prints the same. Every parameter takes a value, or a list of values: one agent for each.\n",
       made_by);
   for (const agents::AgentType& type : agents::agent_types()) {
     text += fmt::format("\n## {}\n{}{}\n", type.name, type.description, marks_of(type));

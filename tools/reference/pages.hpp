@@ -10,11 +10,11 @@ struct Page {
   std::string text;
 };
 
-/// The reference pages, as Markdown, from the tables that the programs themselves go by.
+/// The reference pages in Markdown, made from the tables that the programs use.
 [[nodiscard]] std::vector<Page> pages();
 
-/// The page on a database made by this SQL: a comment behind "(" tells of the table, one behind a column of that
-/// column. Throws std::logic_error where one is missing.
+/// The page on a database made by this SQL. A comment behind "(" describes the table, one behind a column that column.
+/// Throws std::logic_error where one is missing.
 [[nodiscard]] std::string database_page(const std::string& sql, int version);
 
 }  // namespace aloft::reference

@@ -8,7 +8,7 @@ namespace {
 
 using agents::Look;
 
-/// For agents without a look of their own, e.g. a stranger's.
+/// Looks for agents that register none, e.g. programs of the user's.
 std::vector<Look> palette() {
   return {{"", 0, "#117733", "#66c285", {3, 2}}, {"", 0, "#aa3377", "#e07ab0", {6, 2}},
           {"", 0, "#4477aa", "#88b4dd", {3, 1}}, {"", 0, "#997700", "#d9b84a", {5, 3}},

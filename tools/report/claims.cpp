@@ -24,9 +24,9 @@ using experiment::Interval;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Interval positive{0.0, infinity};
 constexpr Interval negative{-infinity, 0.0};
-/// "Hardly changes" in numbers.
+/// The relative change that counts as "hardly changes".
 constexpr Interval hardly{-0.1, 0.1};
-/// "6 % to 41 %".
+/// The gain that the paper claims: 6 % to 41 %.
 constexpr Interval published_gain{0.06, 0.41};
 /// The paper's reinforcement learner.
 constexpr const char* learner = "dqn";
@@ -248,7 +248,7 @@ std::string line(const Comparison& c) {
   return fmt::format("{}: {:+.2f} … {:+.2f} {} ({})", c.what, c.interval.low, c.interval.high, c.unit, side);
 }
 
-/// What a claim speaks of and has not flown: "dqn at 1 / 200", base stations / buildings per km².
+/// Agents and worlds of a claim that have not flown: "dqn at 1 / 200", base stations / buildings per km².
 std::vector<std::string> missing(const nlohmann::json& claim, Conditions conditions) {
   std::vector<std::string> lines;
   for (const nlohmann::json& world : published().at("generated_worlds")) {

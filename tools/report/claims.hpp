@@ -15,7 +15,7 @@ enum class Verdict : std::uint8_t { supported, contradicted, undecided, not_appl
 
 [[nodiscard]] const char* verdict_name(Verdict verdict);
 
-/// One measured quantity and the open range in which a claim says that it lies.
+/// One measured quantity and the open range that a claim states for it.
 struct Comparison {
   std::string what;  ///< "2.5 BS per km²: dqn − min-height"
   std::string unit;  ///< of the interval; "%": the values are shares
@@ -38,8 +38,8 @@ struct Claim {
 };
 
 /// Judges the claims of data/published.json ([{"id", "text", "sweep", "agents"}]) on what these conditions share with
-/// the paper (paper.hpp): its worlds and flights, its agents, enough trials. Supported only if all of its generated
-/// worlds (those of the sweep that the claim is about) and all agents that it speaks of have flown.
+/// the paper (paper.hpp): its worlds and flights, its agents, enough trials. A claim is supported only if all generated
+/// worlds of its sweep and all agents that it names have flown.
 /// std::logic_error if an id is unknown.
 [[nodiscard]] std::vector<Claim> judge_claims(std::span<const ConditionTrials> conditions,
                                               const nlohmann::json& published_claims);

@@ -27,14 +27,14 @@ Claim judged(const std::string& id, const std::vector<ConditionTrials>& conditio
   return judge_claims(conditions, nlohmann::json::array({{{"id", id}, {"text", "not published"}}})).front();
 }
 
-/// 8, 9, ..., 12, and again: 40 trials.
+/// The values 8, 9, ..., 12, repeated over 40 trials.
 std::vector<double> quality(double factor) {
   std::vector<double> values;
   for (int i = 0; i < 40; ++i) values.push_back(factor * (8.0 + i % 5));
   return values;
 }
 
-/// The quality of agents that differ from 1 times quality(1).
+/// Agents by name, and the factor between their quality and quality(1).
 using Factors = std::map<std::string, double>;
 
 AgentTrials flown(const std::string& name, double factor) {
@@ -88,7 +88,7 @@ TEST_CASE("RL improves QoS by 6 % to 41 %", "[report]") {
   CHECK(judged("rl-improves", with_gain(1.5)).verdict == Verdict::contradicted);
   CHECK(judged("rl-improves", with_gain(1.03)).verdict == Verdict::contradicted);
   CHECK(judged("rl-improves", with_gain(0.9)).verdict == Verdict::contradicted);
-  // On average no gain, trial by trial from -33 % to +50 %.
+  // No gain on average; single trials from -33 % to +50 %.
   std::vector<AgentTrials> agents = papers_agents({});
   std::reverse(agents.back().qos.begin(), agents.back().qos.end());
   CHECK(judged("rl-improves", everywhere(agents)).verdict == Verdict::undecided);

@@ -4,7 +4,7 @@
 
 namespace aloft::report {
 
-/// Files that the program carries with it.
+/// Files embedded in the program.
 [[nodiscard]] std::string_view embedded_page();        ///< the report page; its data block is still "%DATA%"
 [[nodiscard]] std::string_view embedded_svg_script();  ///< render_svg.cjs
 [[nodiscard]] std::string_view embedded_published();   ///< data/published.json

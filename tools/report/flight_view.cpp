@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Heights of the heat map: 5 m apart at most, or as far as the world's own grid.
+/// Distance of heights in the heat map, unless the world's own grid is coarser.
 constexpr double map_resolution_m = 5.0;
 
 struct Flown {
@@ -74,7 +74,7 @@ json agent_track(const Flown& flown, double scale) {
   return track;
 }
 
-/// QoS over the places of this flight and all heights.
+/// QoS at each step's place of this flight, over all heights.
 json quality_map(radio::SignalMap& map, const flight::FlightRecord& record, double scale) {
   const radio::HeightGrid& grid = map.heights();
   const auto stride = std::max(1U, static_cast<std::uint32_t>(std::lround(map_resolution_m / grid.resolution_m)));
@@ -91,7 +91,7 @@ json quality_map(radio::SignalMap& map, const flight::FlightRecord& record, doub
   return {{"height_m", std::move(heights)}, {"qos", std::move(columns)}};
 }
 
-/// What stands on the ground; the same city that the trial's signal map was made from.
+/// Base stations and buildings of the city from which the trial's signal map was made.
 json city_view(const experiment::Experiment& experiment, const experiment::Condition& condition, std::uint32_t trial) {
   if (condition.kind != experiment::WorldKind::generated) return nullptr;
   const world::City city = world::generate_city(condition.world, experiment.seed, trial);

@@ -8,8 +8,8 @@
 
 namespace aloft::report {
 
-/// The trial to show of a condition: `wanted`, or else the first one with the most agents; nothing if `wanted` has, or
-/// all trials have, no flight.
+/// The trial of a condition to show: `wanted` if given, else the first one that most agents have flown. None if that
+/// trial has no flight.
 [[nodiscard]] std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, std::uint32_t condition,
                                                          std::optional<std::uint32_t> wanted);
 

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Each key of `expected` that is another here: "loss "cross-entropy" instead of "mse"".
+/// Lists the keys whose values differ from `expected`: loss "cross-entropy" instead of "mse".
 std::string differences(const json& here, const json& expected) {
   std::vector<std::string> found;
   for (const auto& [key, value] : expected.items())
@@ -25,7 +25,7 @@ std::string differences(const json& here, const json& expected) {
   return fmt::format("{}", fmt::join(found, ", "));
 }
 
-/// Everything but the densities, which the paper varies, and the name of the preset, which says the rest once more.
+/// Compares all settings but the densities, which the paper varies, and the preset's name, which only repeats others.
 std::string differences_of_world(const json& world) {
   json expected = radio::resolve_generated_world(json::object(), "").to_json();
   for (const char* key : {"preset", "bs_density_per_km2", "building_density_per_km2"}) expected.erase(key);
@@ -77,7 +77,7 @@ bool same(const AgentTrials& agent, const agents::AgentSpec& definition) {
   return agent.type == definition.type && agent.parameters == definition.parameters.to_json();
 }
 
-/// What the agent of this name would need to be the paper's, if there is one at all.
+/// Why the agent of this name is not the paper's; empty if there is no such agent.
 std::string why_another(const ConditionTrials& condition, std::string_view name) {
   const agents::AgentSpec& first = definitions(name).front();
   for (const AgentTrials& agent : condition.agents)

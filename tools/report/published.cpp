@@ -87,7 +87,7 @@ const char* name_of(Agreement agreement) {
   return "";
 }
 
-/// How many trials would make the interval as narrow as the published number is exact, to two digits.
+/// Number of trials, to two digits, that would make the interval as narrow as the published value is exact.
 double trials_needed(const Estimate& ours, double half_width, double tolerance) {
   const double needed = static_cast<double>(ours.trials) * std::pow(half_width / tolerance, 2.0);
   const double unit = std::pow(10.0, std::floor(std::log10(needed)) - 1.0);

@@ -9,15 +9,15 @@
 
 namespace aloft::report {
 
-/// data/published.json, as it was when this program was built.
+/// data/published.json, embedded in this program.
 [[nodiscard]] const nlohmann::json& published();
 
-/// How far the true value may be from the printed one: the published plus-minus, or half of the last printed digit.
+/// Largest distance of the true value from the printed one: the published plus-minus, or half the last printed digit.
 [[nodiscard]] double printed_tolerance(const nlohmann::json& published_value);
 
-/// What an estimate says about a number that is good to +- tolerance. Agrees: its whole interval lies within; so no
-/// interval agrees that is too wide to disagree. Disagrees: all of it lies outside. An estimate without an interval
-/// varies with nothing, and counts as exact.
+/// Compares an estimate with a value that is exact to +- tolerance. Agrees: the whole interval lies within, so that an
+/// interval wider than the tolerance never agrees. Disagrees: the whole interval lies outside. An estimate without an
+/// interval does not vary and counts as exact.
 enum class Agreement : std::uint8_t { agrees, disagrees, undecided };
 [[nodiscard]] Agreement agreement(double published, double tolerance, double ours, experiment::Interval interval);
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view data_mark = "%DATA%";
 
-/// `dir` itself if it is a result folder, else the result folders in it, by name.
+/// Returns `dir` itself if it is a result folder, else the result folders in it, by name.
 std::vector<fs::path> result_folders(const fs::path& dir) {
   if (!fs::is_directory(dir))
     throw InputError(

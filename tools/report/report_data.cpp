@@ -154,7 +154,7 @@ std::vector<ConditionTrials> trials_of(const std::vector<ReportCondition>& condi
   return trials;
 }
 
-/// With what of the run the paper is not compared, and why.
+/// The parts of the run that are not compared with the paper, and why.
 json left_out(const std::vector<ReportCondition>& conditions, bool only_selected) {
   return papers_share(trials_of(conditions, only_selected)).left_out;
 }

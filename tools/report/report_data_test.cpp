@@ -44,7 +44,7 @@ json data_of(const std::filesystem::path& dir, const report::Choice& choice = {}
   return report::report_data(runs, choice);
 }
 
-/// The report of a shipped experiment, flown as far as these overrides leave it.
+/// The report of a shipped experiment with these overrides.
 json report_of(const std::string& experiment, const experiment::Overrides& overrides) {
   const test::ScratchDir dir;
   fly(experiment::load(test::source_dir() / "data" / "experiments" / experiment, overrides), dir / "results",
@@ -65,7 +65,7 @@ constexpr const char* measured_csv =
     "2,20,2000\n2,30,2100\n2,40,2200\n"
     "3,20,3000\n3,30,3100\n3,40,3200\n";
 
-/// Two trials of two agents over that flight, of which those for which `keep` is true are stored.
+/// Two trials of two agents over that flight; flights for which `keep` is true are stored.
 class MeasuredRun {
  public:
   explicit MeasuredRun(const Keep& keep) {

@@ -8,13 +8,13 @@
 
 namespace aloft::report {
 
-/// 95 % percentile bootstrap interval of any statistic of paired observations: it is given 10,000 lists of `size`
-/// indices drawn with replacement. Seeded: the same call gives the same interval. Not known() if `size` is below 2.
+/// 95 % percentile bootstrap interval of a statistic of paired observations, which is called with 10,000 lists of
+/// `size` indices drawn with replacement. The same seed gives the same interval. Not known() if `size` is below 2.
 [[nodiscard]] experiment::Interval resampled_ci95(
     std::size_t size, std::uint64_t seed, const std::function<double(std::span<const std::uint32_t>)>& statistic);
 
-/// The same for a statistic of one sample that looks at its order (median, interquartile mean): it is given the
-/// resampled values in ascending order. Not known() if all values are equal.
+/// The same for an order statistic of one sample (median, interquartile mean), which is called with the resampled
+/// values in ascending order. Not known() if all values are equal.
 [[nodiscard]] experiment::Interval resampled_ci95(std::span<const double> sample, std::uint64_t seed,
                                                   const std::function<double(std::span<const double>)>& statistic);
 

@@ -9,8 +9,8 @@ using aloft::report::median_of_sorted;
 using aloft::report::resampled_ci95;
 
 TEST_CASE("The interval of a median is that of the exact bootstrap distribution", "[report]") {
-  // Of a resample of 11 distinct values the median is at most the k-th smallest with probability P(Bin(11, k/11) >= 6):
-  // 0.0072 at k = 2, 0.0512 at k = 3; so the 2.5 % quantile is the 3rd value and, by symmetry, the other end the 9th.
+  // The median of a resample of 11 distinct values is at most the k-th smallest with probability
+  // P(Bin(11, k/11) >= 6): 0.0072 at k = 2, 0.0512 at k = 3. So the ends are the 3rd and, by symmetry, the 9th value.
   std::vector<double> sample(11);
   std::iota(sample.rbegin(), sample.rend(), 1.0);
   const Interval interval = resampled_ci95(std::span<const double>(sample), 1, median_of_sorted);

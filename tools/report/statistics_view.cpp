@@ -60,8 +60,8 @@ json gain_over(const AgentTrials& agent, const AgentTrials* reference, std::uint
           {"probability_of_improvement", rounded(experiment::probability_of_improvement(ours, theirs))}};
 }
 
-/// The gain as a share of the best feasible flight's, on the trials that the planner has flown; null without a planner
-/// or without head-room.
+/// The gain as a share of the planner's, which is the best feasible flight, on the trials that the planner has flown;
+/// null without a planner or without head-room.
 json headroom_share(const json& gain, const ConditionTrials& condition) {
   const AgentTrials* planner = condition.agent("planner");
   if (gain.is_null() || planner == nullptr) return nullptr;
@@ -86,7 +86,7 @@ std::vector<double> profile_thresholds(const ConditionTrials& condition) {
   return thresholds;
 }
 
-/// Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice (2021), section 4.2.
+/// Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice, 2021, section 4.2.
 json performance_profile(const std::vector<double>& sample, const std::vector<double>& thresholds) {
   json profile = json::array();
   for (const double threshold : thresholds) {

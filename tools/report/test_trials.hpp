@@ -10,8 +10,8 @@
 
 namespace aloft::report::testing {
 
-/// An agent whose trials 0, 1, ... gave these values; mean height 40 m, no height changes, 12.5 kJ, 3 handovers, 0 of
-/// all other metrics.
+/// An agent with these values in trials 0, 1, ...; mean height 40 m, no height changes, 12.5 kJ, 3 handovers; all other
+/// metrics are 0.
 inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
   AgentTrials result{std::move(name), std::move(type)};
   const agents::AgentSpec spec =

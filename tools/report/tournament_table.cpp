@@ -19,12 +19,12 @@ std::string heading(const ConditionTrials& condition) {
   return fmt::format("{:g} / {:g}", condition.bs_density_per_km2, condition.building_density_per_km2);
 }
 
-/// All that was flown over the same worlds, in one run or several.
+/// All flights over the same worlds, of one run or several.
 struct Column {
   const ConditionTrials* condition = nullptr;  ///< of the first run
   std::vector<json> views;
 
-  /// Of the first run that the agent flew in.
+  /// The agent's row in the first run that it flew in.
   [[nodiscard]] const json* row(const std::string& agent) const {
     for (const json& view : views)
       if (!view.is_null())
@@ -90,7 +90,7 @@ std::optional<double> mean_over(const std::vector<Column>& columns, const std::s
   return count > 0.0 ? std::optional(sum / count) : std::nullopt;
 }
 
-/// The agent without privilege that gains most; none if one of them has flown but once: one flight decides nothing.
+/// The agent without privilege that gains most; none if one of them has fewer than two trials.
 std::string winner(const Column& column, const std::vector<const AgentTrials*>& agents) {
   std::string best;
   double most = 0.0;

@@ -72,7 +72,7 @@ TEST_CASE("Where trials differ, half an interval stands behind the gain; with on
   const auto single = flown({4.0}, {5.0}, {3.0});
   CHECK_THAT(overview(single, {}), Contains("| pretrained | +1.00 |") && !Contains("±") && !Contains("**"));
   CHECK_THAT(tournament_details(single), Contains("| pretrained | 1 | 5.00 | - | +1.00 | - | 100 % |"));
-  // Of two that compete one has flown once: nobody knows who is best.
+  // One of the two agents has flown once, which is too few to name the best.
   CHECK_THAT(overview(flown({4.0, 6.0}, {5.0, 9.0}, {3.0}), {}), !Contains("**+"));
 }
 

@@ -22,7 +22,7 @@ struct AgentTrials {
   nlohmann::json parameters{};  ///< with every default filled in
   std::vector<std::uint32_t> trials{};
   std::vector<double> qos{};  ///< mean of the flight, in the condition's unit
-  /// All other metrics by their keys, in the units in which people read them; NaN: unknown.
+  /// All other metrics by their keys, in the units that are shown; NaN: unknown.
   std::map<std::string, std::vector<double>, std::less<>> metrics{};
 };
 
@@ -31,12 +31,12 @@ struct ConditionTrials {
   std::string experiment;  ///< name
   std::uint64_t seed = 0;
   std::string name;
-  std::string label;  ///< as people say it: "2.5 BS per km²"
+  std::string label;  ///< as shown: "2.5 BS per km²"
   experiment::WorldKind kind = experiment::WorldKind::generated;
   double bs_density_per_km2 = 0.0;        ///< generated worlds; NaN if the world has none
   double building_density_per_km2 = 0.0;  ///< likewise
   nlohmann::json world_parameters;        ///< all of the world, with every default filled in
-  std::string other_parameters;           ///< all but the two densities: equal texts, comparable worlds
+  std::string other_parameters;           ///< all but the two densities; conditions with equal texts are comparable
   flight::Costs costs;
   std::string measured_file;  ///< name of the file of a measured flight, without folder and ending
   std::uint32_t trials_expected = 0;

@@ -18,8 +18,7 @@ std::vector<ParameterSpec> table_of(radio::QosKind kind) {
       integer_parameter("seed", throughput ? 7'002 : 7'001, 0, 1e9, "Of worlds, flights and weights."),
       integer_parameter("worlds", 1'500, 1, 100'000,
                         throughput ? "Random throughput fields."
-                                   : "Cities, shared out to 1, 1.7, 2.5, 3.5 and 5 "
-                                     "base stations per km2 in turn."),
+                                   : "Cities, shared out to 1, 1.7, 2.5, 3.5 and 5 base stations per km2 in turn."),
       integer_parameter("validation_worlds", 300, 1, 10'000, "Held out; they choose the round that is kept."),
       integer_parameter("rounds", 6, 0, 100, "Rounds of policy iteration."),
       integer_parameter("hidden_width", 192, 1, 256, "Units of each of the two hidden layers."),

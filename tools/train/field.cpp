@@ -22,7 +22,7 @@ agents::PretrainedReport report_of(radio::QosKind kind, std::uint32_t level, con
   return agents::pretrained_report(kind, level, observation);
 }
 
-/// From low to high, both included.
+/// A random whole number from low to high, both included.
 std::uint32_t between(RandomStream& random, std::uint32_t low, std::uint32_t high) {
   return low + random.uniform_index(high - low + 1);
 }

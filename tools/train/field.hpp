@@ -8,7 +8,7 @@
 
 namespace aloft::train {
 
-/// All reports of one world on the heights that single actions lead to: what training flies over.
+/// All reports of one world at the heights that single actions reach. Training flies through these.
 struct Field {
   radio::QosKind kind = radio::QosKind::spectral_efficiency;
   std::uint32_t levels = 0;
@@ -28,8 +28,8 @@ struct Field {
 /// A generated city of preset `published` with 200 buildings per km2, like trial `trial` of an experiment.
 [[nodiscard]] Field generated_field(double bs_density_per_km2, std::uint64_t seed, std::uint32_t trial);
 
-/// A random throughput over heights and steps: a profile that falls with height, changed by Gaussian fields that are
-/// correlated over heights, constant or slowly changing over steps. How strongly differs from field to field.
+/// A random throughput over heights and steps: a profile that falls with height, plus Gaussian fields that are
+/// correlated over heights and constant or slowly changing over steps. Their strength differs between fields.
 [[nodiscard]] Field random_throughput_field(std::uint64_t seed, std::uint32_t trial);
 
 /// The discounted sum of future qualities on the best feasible flight: [step][level], steps 0 to steps (zero).

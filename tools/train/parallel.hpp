@@ -11,15 +11,15 @@
 
 namespace aloft::train {
 
-/// Thrown where training is asked to stop.
+/// Thrown when training is asked to stop.
 struct Interrupted : std::exception {};
 
-/// How training is watched, and stopped. Called from several threads, one at a time.
+/// Shows the progress of training and stops it. Called from several threads, one at a time.
 struct Watch {
   std::function<void(const std::string& phase, double share)> progress{};  ///< share of the phase that is done
   std::function<bool()> stop{};
 
-  /// Tells the progress; Interrupted if training is to stop.
+  /// Reports the progress; Interrupted if training is to stop.
   void tell(const std::string& phase, double share) const {
     if (stop && stop()) throw Interrupted();
     if (progress) progress(phase, share);
@@ -48,7 +48,7 @@ inline void for_each_item(std::size_t count, unsigned threads, const std::functi
   if (failure) std::rethrow_exception(failure);
 }
 
-/// The same, watched as one phase.
+/// The same, reported as one phase.
 inline void for_each_item(std::size_t count, unsigned threads, const Watch& watch, const std::string& phase,
                           const std::function<void(unsigned, std::size_t)>& work) {
   std::mutex mutex;

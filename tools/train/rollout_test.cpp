@@ -20,7 +20,7 @@ Field hand_made() {
   return field;
 }
 
-/// A network that answers (0, 1, 0) whatever it is asked: it holds.
+/// A network whose output is always (0, 1, 0): it holds.
 std::unique_ptr<learn::Network> holding() {
   const learn::NetworkShape shape = agents::pretrained_shape(1);
   std::vector<float> weights(shape.parameters(), 0.0F);

@@ -85,7 +85,7 @@ std::string Trainer::phase(std::uint32_t round, const char* what) const {
 void Trainer::train_round() {
   const std::uint32_t round = next_round_;
   rounds_.push_back({round, weights_, samples_of(round)});
-  // What was imitated with full information is no value of a policy.
+  // Samples of round 0 hold values with full information, which no policy reaches.
   if (round == 1 || rounds_.size() > static_cast<std::size_t>(settings_.integer("reused_rounds")))
     rounds_.erase(rounds_.begin());
   fit(round);
@@ -181,7 +181,7 @@ void Trainer::visit(std::uint32_t round, GreedyPolicy& policy, std::size_t first
 }
 
 void Trainer::fit(std::uint32_t round) {
-  constexpr std::size_t pieces = 100;  // of equal learning rate
+  constexpr std::size_t pieces = 100;  // the learning rate is constant within each
   std::vector<std::pair<const Samples*, std::size_t>> where;
   for (const Round& source : rounds_)
     for (std::size_t i = 0; i < source.samples.size(); ++i) where.emplace_back(&source.samples, i);
@@ -286,7 +286,7 @@ void Trainer::restore_state(std::string_view bytes) {
   next_round_ = static_cast<std::uint32_t>(validations_.size());
   best_.resize(weights_.size());
   reader.get("best", std::span(best_));
-  // Samples are large, and follow from the weights.
+  // The state leaves out the samples, which are large and follow from the weights.
   rounds_.clear();
   for (std::size_t i = 0; i < numbers.size() && !finished(); ++i) {
     const auto own = weights.subspan(i * weights_.size(), weights_.size());

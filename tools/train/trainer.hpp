@@ -33,14 +33,14 @@ class Trainer {
   Trainer(radio::QosKind kind, const Parameters& settings, unsigned threads, Watch watch);
 
   [[nodiscard]] bool finished() const noexcept;
-  /// Trains the next round. Interrupted if the watch says so; then only save_state of before is of use.
+  /// Trains the next round. After Interrupted, only a state saved before can be used.
   void train_round();
-  /// Of the round that was best so far; layout of learn::NetworkState.
+  /// Weights of the best round so far, in the layout of learn::NetworkState.
   [[nodiscard]] const std::vector<float>& best_weights() const noexcept { return best_; }
   /// One line per finished round: gains over min-height and of the best feasible flight.
   [[nodiscard]] std::vector<std::string> validation_log() const;
 
-  /// All that is needed to go on after the last finished round.
+  /// The state from which training continues after the last finished round.
   [[nodiscard]] std::string save_state() const;
   /// IntegrityError if the bytes are not a state of a trainer with these settings.
   void restore_state(std::string_view bytes);

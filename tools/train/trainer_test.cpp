@@ -57,7 +57,7 @@ TEST_CASE("a training that goes on from its saved state after any round ends wit
   for (const std::string& state : states) {
     Trainer resumed = make(2);
     resumed.restore_state(state);
-    CHECK((resumed.finished() || resumed.save_state() == state));  // a finished one needs no samples
+    CHECK((resumed.finished() || resumed.save_state() == state));  // a finished training needs no samples
     while (!resumed.finished()) resumed.train_round();
     CHECK(resumed.best_weights() == whole.best_weights());
     CHECK(resumed.validation_log() == whole.validation_log());

@@ -29,7 +29,7 @@ class Children {
   void start(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& output);
   /// Children that ended since the last call; never blocks.
   std::vector<Ended> reap();
-  /// SIGTERM to all, and SIGKILL to those that still live after `limit`. Returns the names of the killed.
+  /// Sends SIGTERM to all, and SIGKILL to those that still run after `limit`. Returns the names of the killed.
   std::vector<std::string> stop_all(std::chrono::milliseconds limit);
   [[nodiscard]] bool empty() const noexcept { return children_.empty(); }
 

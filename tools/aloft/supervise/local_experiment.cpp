@@ -26,10 +26,10 @@
 namespace aloft::cli {
 namespace {
 
-// Coordinator, collector, discovery server and this process beside four of each worker.
+// Each worker is four processes; the rest are coordinator, collector, discovery server and this process.
 constexpr unsigned max_workers = (bus::max_processes - 4) / 4;
 
-/// Whoever says that a run is complete: what counts lies in the database.
+/// Counts the flights in the database, whatever the coordinator has reported.
 bool all_there(const std::filesystem::path& dir, std::vector<std::string>& failures) {
   const auto results = store::ResultStore::open_for_reading(dir);
   const store::Shortfall missing = store::shortfall(results);
@@ -39,8 +39,8 @@ bool all_there(const std::filesystem::path& dir, std::vector<std::string>& failu
   return missing.flights == 0;
 }
 
-/// Returns true if every flight is stored; what failed for good is added to `failures`, and what it had to make is told
-/// in `made`.
+/// Returns true if every flight is stored; trials that failed for good are added to `failures`. `made` is set to the
+/// files and folders that had to be made.
 bool fly_missing(const experiment::Experiment& experiment, const std::filesystem::path& dir,
                  const FlyingOptions& options, const std::atomic<bool>& interrupted, std::vector<std::string>& failures,
                  store::MadeResults& made) {
@@ -92,7 +92,7 @@ void FlyingOptions::check(const experiment::Experiment& experiment) const {
         fmt::format("--workers {}: a worker is four processes, and {} processes fit in a DDS domain, so use at most {} "
                     "workers, or --in-process, where they are threads",
                     workers_here(), bus::max_processes, max_workers));
-  if (!bus.secure.empty())  // now, rather than by processes that end and are started again
+  if (!bus.secure.empty())  // services that refuse their keys would be restarted again and again
     for (const security::Role role : security::all_roles)
       if (role != security::Role::run_operator) (void)security::check_keys(bus.secure, role);
 }

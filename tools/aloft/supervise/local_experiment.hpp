@@ -26,12 +26,12 @@ struct FlyingOptions {
   void add_to(CLI::App& command);
   [[nodiscard]] unsigned workers_here() const;  ///< with in_process: threads
   [[nodiscard]] unsigned learner_threads_per_worker() const;
-  /// InputError if they cannot fly this experiment here: before anything is written.
+  /// InputError if this machine cannot fly the experiment with these options; nothing is written.
   void check(const experiment::Experiment& experiment) const;
 };
 
-/// Flies what is missing in `dir` of this experiment and shows progress; Ctrl-C stops it. Writes summary.json and
-/// summary.csv unless interrupted. Returns the exit code (base/error.hpp). InputError if `dir` is of another
+/// Flies the flights of this experiment that `dir` lacks and shows progress; Ctrl-C stops it. Writes summary.json and
+/// summary.csv unless interrupted. Returns the exit code (base/error.hpp). InputError if `dir` belongs to another
 /// experiment.
 int fly_experiment(const experiment::Experiment& experiment, const std::filesystem::path& dir,
                    const FlyingOptions& options);

@@ -34,7 +34,7 @@ void add_services(Processes& processes, const LocalRun& run) {
     }
   }
   processes.add("aloft-metrics", results);
-  // Who made up the name of a run, or has looked around itself, need not wait for others.
+  // The name is new, or RunName has already looked for another coordinator, so this one need not.
   std::vector<std::string> coordinator = results;
   coordinator.insert(coordinator.end(), {"--look-around", "0"});
   coordinator.insert(coordinator.end(), {"--fail-fast", std::to_string(run.fail_fast)});
@@ -56,7 +56,7 @@ std::string join_arguments(const bus::BusOptions& place) {
   return text;
 }
 
-/// Before a collector that has failed for that is started again, and makes a new folder.
+/// Ends the run if its results are gone, before a restarted collector makes a new folder.
 void check_in_place(const store::FolderWatch& results, Processes& processes) {
   try {
     results.check();
@@ -114,7 +114,7 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
     check_in_place(results, processes);
     statuses.drain([&](const wire::RunStatus& status) {
       last = status;
-      // What it says at the end is told by the caller.
+      // The caller reports the last message.
       progress.update(status.flights_stored(), status.workers_alive(), run.workers,
                       status.state() == wire::RUN_RUNNING ? status.message().to_string() : "");
     });

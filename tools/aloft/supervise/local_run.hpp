@@ -20,25 +20,25 @@ struct LocalRun {
   bool pinned = true;            ///< each worker to its share of the cores
   unsigned fail_fast = 0;
   bool shuffled = false;
-  bus::BusOptions place;  ///< an empty `run`: one of its own, so that runs on one machine do not hear each other
+  bus::BusOptions place;  ///< an empty `run`: a name of its own, so that runs on one machine stay apart
 };
 
-/// The name of a run that users gave, and may have given twice: held as long as this object lives.
+/// A run's name given by a user, who can give it twice by mistake. Held as long as this object lives.
 class RunName {
  public:
-  /// Listens for a moment. InputError, naming the other one, if the run is coordinated already, on this machine or on
-  /// another one that is heard. Nothing has been written then.
+  /// Listens for a moment. InputError, naming the other coordinator, if this run has one on this machine or in reach;
+  /// nothing is written then.
   RunName(const bus::BusOptions& place, const std::atomic<bool>& interrupted);
 
  private:
   runtime::RunClaim claim_;
 };
 
-/// Of a secured run the keys have been checked. Starts metrics, coordinator and workers, and the discovery server if
-/// its address is one of this machine; restarts what dies, shows progress, and ends them all. Returns true if every
-/// flight is stored; what failed for good is added to `failures`. No process of the run is left when it returns.
-/// InputError if the coordinator refuses to work; store::ResultsGone if the folder is deleted, moved or replaced
-/// meanwhile.
+/// Starts metrics, coordinator and workers, and the discovery server if its address is one of this machine; restarts
+/// processes that die, shows progress, and ends them all. The caller has checked the keys of a secured run. Returns
+/// true if every flight is stored; trials that failed for good are added to `failures`. All processes have ended when
+/// it returns. InputError if the coordinator refuses to work; store::ResultsGone if the folder is deleted, moved or
+/// replaced.
 bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
                const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 

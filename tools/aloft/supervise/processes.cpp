@@ -13,7 +13,7 @@
 namespace aloft::cli {
 namespace {
 
-constexpr std::chrono::seconds farewell_limit{8};  // longer than the coordinator waits for those who are absent
+constexpr std::chrono::seconds farewell_limit{8};  // longer than the coordinator waits for absent processes
 constexpr std::chrono::seconds restart_window{60};
 constexpr std::size_t restarts_allowed = 20;  // per process and window: more is a bug, not bad luck
 

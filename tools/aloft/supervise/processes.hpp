@@ -34,13 +34,13 @@ class Processes {
                   const CoreShare& cores = {});
   void start_all();
 
-  /// Starts again what died. Returns a line for each death. Who ends in good order has heard that the run is over; it
-  /// is started again only if the others do not follow within 3 s. std::runtime_error if a process dies again and
-  /// again.
+  /// Restarts processes that died and returns a line for each. A process that ends with exit code 0 has received the
+  /// end of the run; it is restarted only if the others do not end within 3 s. std::runtime_error if a process dies too
+  /// often.
   std::vector<std::string> supervise();
   /// The exit code of the decider, once it has ended by itself.
   [[nodiscard]] std::optional<int> decision() const noexcept { return decision_; }
-  /// All have ended in good order.
+  /// All processes have ended with exit code 0.
   [[nodiscard]] bool all_left() const noexcept { return children_.empty(); }
 
   /// Ends all. Returns the names of processes that had to be killed.

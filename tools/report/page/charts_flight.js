@@ -35,7 +35,7 @@ export function heightOverSteps(data, condition, context) {
   };
 }
 
-/** The mean over the last ten steps: single steps jump with the fading. */
+/** The mean over the last ten steps, because fading makes single steps vary. */
 export function qosOverSteps(data, condition, context) {
   const {flight} = condition;
   return {
@@ -63,7 +63,7 @@ export function heatMap(data, condition, context) {
   const {flight} = condition;
   const {map} = flight;
   const rise = map.height_m.length > 1 ? map.height_m[1] - map.height_m[0] : 1;
-  // Cells overlap their neighbours by a hair: no seams between them at any zoom.
+  // Cells overlap their neighbours a little, so that no seams show at any zoom.
   const cells = map.qos.flatMap((column, i) => column.map((qos, k) => ({
     step: flight.step[i], height: map.height_m[k], qos,
     left: flight.step[i] - 0.5, right: flight.step[i] + 0.54, low: map.height_m[k] - rise / 2, high: map.height_m[k] + 0.54 * rise,

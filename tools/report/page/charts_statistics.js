@@ -30,13 +30,13 @@ function agentAxis(data, names) {
   return {field: 'agent', type: 'nominal', sort, scale: {domain: sort}, axis: {title: null, ticks: false, domain: false, grid: false, labelExpr: markedLabel(data)}};
 }
 
-/** A layer of the rows for which `has` holds; none at all if there are none, for Vega complains about empty ones. */
+/** A layer of the rows for which `has` holds; none if there are no such rows, because Vega warns of empty layers. */
 function layerOf(rows, has, layer) {
   const some = rows.filter(has);
   return some.length > 0 ? [{data: {values: some}, ...layer}] : [];
 }
 
-/** Of one trial, or where all gave the same, there is no interval: such a row has no bar. */
+/** A row has no bar if there is no interval: with one trial, or where all trials are equal. */
 const intervalKnown = (row) => row.low !== null;
 
 function ends(pair) {
@@ -163,7 +163,7 @@ export function meanHeightChart(data, experiment, context) {
   };
 }
 
-/** Agents that no other one beats in quality with as little energy, by rising energy. */
+/** The Pareto front: agents that no other one beats in quality with as little energy, by rising energy. */
 function paretoFront(rows) {
   const front = [];
   for (const row of [...rows].sort((a, b) => a.energy - b.energy || b.qos - a.qos))

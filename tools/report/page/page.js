@@ -83,7 +83,7 @@ function header() {
       h('nav', {'aria-label': 'Sections'}, [['results', 'Results'], ['published', 'Published values'], ['claims', 'Claims'], ['flight', 'One flight']].map(([id, text]) => h('a', {href: `#${id}`, onclick: (event) => jump(event, id)}, text)))));
 }
 
-/** Scrolls without touching the address, which holds the reader's choices. */
+/** Scrolls without changing the address, which holds the reader's choices. */
 function jump(event, id) {
   event.preventDefault();
   document.getElementById(id).scrollIntoView({behavior: 'smooth'});

@@ -1,4 +1,4 @@
-// What marks the agents that see more than a real UAV reports: a mark behind the name, a hollow shape.
+// Agents that see more than a real UAV reports have a mark behind the name and a hollow shape.
 
 function tierOf(data, name) {
   const agent = data.agents.find((other) => other.name === name);

@@ -81,7 +81,7 @@ export function publishedTable(data, context) {
   ], rows, 'Published values beside ours');
 }
 
-/** What of this report cannot be compared with the paper, and why. */
+/** The parts of this report that cannot be compared with the paper, and why. */
 export function leftOutList(data, context) {
   const lines = data.published.left_out[context.view];
   if (lines.length === 0) return null;

@@ -1,4 +1,4 @@
-// Colours and fonts. Every agent keeps its colour, dash and place in all charts; they are laid down where it registers.
+// Colours and fonts. Every agent keeps its colour, dash and place in all charts; its registration defines them.
 
 /** Vega-Lite scales {domain, range} of colour and dash for these agents, in the report's order. */
 export function agentScales(data, theme, names) {

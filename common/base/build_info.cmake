@@ -1,5 +1,5 @@
 # cmake -D SOURCE_DIR=... -D VERSION=... -D TOOLS=... -D INPUT=... -D OUTPUT=... -P build_info.cmake
-# Writes OUTPUT from INPUT, only if it changes. Outside a git checkout the version alone names the sources.
+# Writes OUTPUT from INPUT, but only if it changes. Outside a git checkout the build id is the version without a commit.
 execute_process(
   COMMAND git describe --always --dirty --abbrev=12 --exclude=*
   WORKING_DIRECTORY "${SOURCE_DIR}"

@@ -17,7 +17,7 @@ unsigned cores_by_affinity() {
   return std::max(1U, std::thread::hardware_concurrency());  // more cores than the set can name
 }
 
-/// CPU time per time that this one group allows.
+/// CPU seconds per second that this one group allows; nothing if it sets no limit.
 std::optional<double> quota_of(const std::filesystem::path& group) {
   double quota = 0.0;
   double period = 0.0;
@@ -42,7 +42,7 @@ std::optional<unsigned> quota_cores(const std::filesystem::path& memberships,
     const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
     if (controllers != ",," && controllers.find(",cpu,") == std::string::npos) continue;
     const auto root = controllers == ",," ? hierarchies : hierarchies / "cpu";
-    // The group and all above it; in a container the path may be the host's, and only the root is there.
+    // The group and all its parents; in a container the path can be the host's, where only the root is visible.
     for (std::filesystem::path path = line.substr(second + 1);; path = path.parent_path()) {
       const auto quota = quota_of(root / path.relative_path());
       if (quota) least = std::min(least.value_or(*quota), *quota);
@@ -63,7 +63,7 @@ OnCores::OnCores(const CoreShare& share) noexcept
   if (!changed_) return;
   const auto cores = static_cast<unsigned>(CPU_COUNT(&before_));
   const unsigned first = share.part * cores / share.of;
-  const unsigned last = std::max(first + 1, (share.part + 1) * cores / share.of);  // not included
+  const unsigned last = std::max(first + 1, (share.part + 1) * cores / share.of);  // one past the end
   cpu_set_t ours;
   CPU_ZERO(&ours);
   unsigned place = 0;

@@ -11,8 +11,8 @@ namespace aloft {
 /// taskset do, or has a quota, as containers and services have.
 [[nodiscard]] unsigned usable_cores();
 
-/// How many cores' time the control groups of this process allow, rounded up; nothing if they set no limit.
-/// `memberships` is as /proc/self/cgroup, `hierarchies` as /sys/fs/cgroup (versions 1 and 2, cgroups(7)).
+/// The CPU quota of this process's control groups in cores, rounded up; nothing if they set no limit.
+/// `memberships` is laid out as /proc/self/cgroup, `hierarchies` as /sys/fs/cgroup (versions 1 and 2, cgroups(7)).
 [[nodiscard]] std::optional<unsigned> quota_cores(const std::filesystem::path& memberships,
                                                   const std::filesystem::path& hierarchies);
 
@@ -22,7 +22,7 @@ struct CoreShare {
   unsigned of = 1;
 };
 
-/// While it lives, this thread and the processes that it starts run on their share of the cores only.
+/// While this object lives, this thread and the processes that it starts run only on their share of the cores.
 class OnCores {
  public:
   explicit OnCores(const CoreShare& share) noexcept;

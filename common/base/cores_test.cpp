@@ -13,7 +13,7 @@
 
 namespace {
 
-/// What this machine allows for `cores` cores: its quota may be smaller.
+/// `cores`, or the quota of this machine if that is smaller.
 unsigned within_quota(unsigned cores) {
   return std::min(cores, aloft::quota_cores("/proc/self/cgroup", "/sys/fs/cgroup").value_or(cores));
 }

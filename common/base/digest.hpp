@@ -27,12 +27,12 @@ class Digest {
 
 [[nodiscard]] std::string sha256_hex(std::string_view bytes);
 
-/// InputError, ending in `advice`, if `bytes`, which `file` holds, are not those with which an experiment was resolved:
-/// `sha256`; empty: any.
+/// Throws InputError, ending in `advice`, if `bytes`, the content of `file`, do not have the digest `sha256` that was
+/// noted when the experiment was resolved. An empty `sha256` accepts any content.
 void check_unchanged(const std::filesystem::path& file, std::string_view bytes, std::string_view sha256,
                      std::string_view advice);
 
-/// The first 64 bits of the SHA-256: ids.
+/// The first 64 bits of the SHA-256, which are used as ids.
 [[nodiscard]] std::uint64_t sha256_id(std::string_view bytes);
 
 }  // namespace aloft

@@ -11,7 +11,7 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Stored data contradict themselves (a digest that does not match, a truncated file): never guess, stop.
+/// Stored data contradict themselves (a digest that does not match, a truncated file). Programs stop.
 class IntegrityError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };

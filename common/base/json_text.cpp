@@ -20,7 +20,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t longest_key_told = 80;
 
-/// Of the text's `byte`-th byte, counted from 1.
+/// "line L, column C" of the text's `byte`-th byte; all three count from 1.
 std::string line_and_column(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, std::min(byte == 0 ? 0 : byte - 1, text.size()));
   const auto line = std::count(before.begin(), before.end(), '\n') + 1;
@@ -35,7 +35,7 @@ std::string reason(std::string_view message) {
   return std::string(start == std::string_view::npos ? message : message.substr(start + 2));
 }
 
-/// Goes through a text and notes how far it has come, which the parser does not tell its callback.
+/// Iterates over a text and counts the bytes read: the parser does not report its position to its callback.
 class Cursor {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -58,8 +58,8 @@ class Cursor {
   std::size_t* bytes_read_;
 };
 
-/// Sees the text while it is read: in the finished value only the last of two equal keys is left, and one that is
-/// nested too deep could not even be destroyed.
+/// Checks the text while it is parsed: the finished value has only the last of two equal keys, and a value that is
+/// nested too deep could not even be destroyed safely.
 class Watch {
  public:
   Watch(std::string_view text, std::string_view where, const std::size_t& bytes_read)

@@ -5,9 +5,9 @@
 
 namespace aloft {
 
-/// Reads JSON from outside, keeping the order of keys: the one way in for all of it. Throws InputError "WHERE: line L,
-/// column C: why" if it is malformed, an object has a key twice, or it is larger or nested deeper than
-/// limits::json_bytes and json_depth: the library's functions call themselves once per level, down to any depth.
+/// Parses JSON and keeps the order of keys. All JSON from outside is read by this function. Throws InputError "WHERE:
+/// line L, column C: why" if it is malformed, if an object has a key twice, or if it exceeds limits::json_bytes or
+/// limits::json_depth: the library recurses once per level, without a limit of its own.
 [[nodiscard]] nlohmann::ordered_json parse_json(std::string_view text, std::string_view where);
 
 }  // namespace aloft

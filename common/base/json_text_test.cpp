@@ -36,7 +36,7 @@ std::string nested(std::size_t depth, const std::string& open, const std::string
 
 }  // namespace
 
-TEST_CASE("no other function of ours reads JSON") {
+TEST_CASE("only parse_json reads JSON") {
   const std::regex reads_json(R"([jJ]son::parse\s*\()");
   int files = 0;
   for (const char* folder : {"common", "services", "tools"})
@@ -64,7 +64,7 @@ TEST_CASE("malformed JSON and doubled keys: where, line, column, why") {
   CHECK_THAT(refusal("\"\xff\""), Contains("line 1, column 2: not valid JSON"));
 }
 
-TEST_CASE("JSON is refused before it is read deeper or further than it may go") {
+TEST_CASE("JSON that is too deep or too large is refused before the rest is read") {
   const std::string limit = "nested more than " + std::to_string(limits::json_depth) + " deep";
   for (const auto& [open, close] : {std::pair{"[", "]"}, std::pair{"{\"a\":", "}"}, std::pair{"[{\"a\":", "}]"}}) {
     const std::size_t per_round = std::string(open).front() == '[' && std::string(open).size() > 1 ? 2 : 1;

@@ -12,7 +12,7 @@
 
 namespace aloft {
 
-/// One adjustable fact of a world or an agent, as data: help texts, schema, documentation and range checks all come
+/// One setting of a world or an agent, as data: help texts, JSON Schema, documentation and range checks are all made
 /// from tables of these.
 struct ParameterSpec {
   enum class Kind { number, integer, flag, choice, text };
@@ -25,18 +25,19 @@ struct ParameterSpec {
   double minimum = 0.0;  ///< number, integer: inclusive range
   double maximum = 0.0;
   std::vector<std::string> choices;  ///< choice: the allowed values
-  /// Left out of the canonical form while it has its default, so that what was resolved before it existed keeps its id.
+  /// The canonical form leaves this parameter out while it has its default, so that experiments from before the
+  /// parameter existed keep their ids.
   bool default_is_implied = false;
 };
 
-/// A word that a choice parameter allows, and what it stands for.
+/// A word that a choice parameter allows, and its meaning in the program.
 template <typename Meaning>
 struct Choice {
   std::string_view word;
   Meaning meaning;
 };
 
-/// Makers for tables.
+/// These make the entries of a table.
 [[nodiscard]] ParameterSpec number_parameter(std::string name, double default_value, double minimum, double maximum,
                                              std::string description);
 [[nodiscard]] ParameterSpec integer_parameter(std::string name, double default_value, double minimum, double maximum,
@@ -72,7 +73,7 @@ class Parameters {
   [[nodiscard]] bool flag(std::string_view name) const;
   [[nodiscard]] const std::string& text(std::string_view name) const;  ///< a choice or a text
 
-  /// What the word of a choice parameter stands for. Throws std::logic_error for a word that is not among `choices`.
+  /// The meaning of a choice parameter's word. Throws std::logic_error if the word is not among `choices`.
   template <typename Meaning, std::size_t n>
   [[nodiscard]] Meaning chosen(std::string_view name, const std::array<Choice<Meaning>, n>& choices) const {
     for (const auto& choice : choices)
@@ -80,8 +81,8 @@ class Parameters {
     refuse_choice(name);
   }
 
-  /// All values, but for defaults that are implied, keys sorted: the canonical form that ids are made of. Whole numbers
-  /// are written as integers.
+  /// The canonical form, from which ids are computed: all values except implied defaults, keys sorted, whole numbers
+  /// written as integers.
   [[nodiscard]] nlohmann::json to_json() const;
 
  private:

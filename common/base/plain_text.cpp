@@ -11,8 +11,8 @@ bool needs_no_care(char c) noexcept {
   return c >= ' ' && c <= '~';
 }
 
-/// fmt's debug form writes out what is not printable. It would mark quotes and backslashes, too, which are left as they
-/// are here.
+/// Escapes what is not printable by fmt's debug form, which would also escape quotes and backslashes: these are copied
+/// as they are.
 void append_debug_form(std::string& plain, std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find_first_of("\"\\"), text.size());

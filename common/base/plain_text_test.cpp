@@ -14,7 +14,7 @@ TEST_CASE("plain text is left as it is") {
   CHECK(plain_text("Höhe über Wien: 120 m, 高度, 🛩") == "Höhe über Wien: 120 m, 高度, 🛩");
 }
 
-TEST_CASE("what commands a terminal or forges lines is written out") {
+TEST_CASE("terminal commands and forged line breaks are escaped") {
   CHECK(plain_text("\033[2J\033]0;title\a") == R"(\x1b[2J\x1b]0;title\x07)");
   CHECK(plain_text("a\r\tb\0c\x7f"s) == R"(a\r\tb\x00c\x7f)");
   CHECK(plain_text("\u009b2J") == R"(\x9b2J)");                            // CSI in one character
@@ -24,7 +24,7 @@ TEST_CASE("what commands a terminal or forges lines is written out") {
   CHECK(plain_lines("one\n\033two\n") == "one\n\\x1btwo\n");
 }
 
-TEST_CASE("bytes that are not UTF-8 are written out") {
+TEST_CASE("bytes that are not UTF-8 are escaped") {
   CHECK(plain_text("\xff\xfe") == R"(\xff\xfe)");
   CHECK(plain_text("a\xc3") == R"(a\xc3)");                // cut in the middle
   CHECK(plain_text("\xc0\xafx") == R"(\xc0\xafx)");        // '/' in two bytes
@@ -43,11 +43,11 @@ TEST_CASE("long text is cut between characters, with its size") {
   CHECK(beginning_of("\x80\x80\x80\x80\x80\x80", 5).size() == 5);
 }
 
-TEST_CASE("whatever comes in, a line of printable characters comes out") {
+TEST_CASE("any bytes become one line of printable UTF-8") {
   CHECK(rc::check([](const std::string& text, const std::vector<unsigned char>& bytes) {
     std::string mixed = text + std::string(bytes.begin(), bytes.end());
     const std::string plain = plain_text(mixed);
     for (const char c : plain) RC_ASSERT(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
-    RC_ASSERT(plain_text(plain) == plain);  // so it is UTF-8 without marks, too
+    RC_ASSERT(plain_text(plain) == plain);  // unchanged, so it is printable UTF-8
   }));
 }

@@ -17,12 +17,12 @@ TEST_CASE("a process has one name as long as it lives") {
   CHECK_FALSE(ProcessName().known());
 }
 
-TEST_CASE("a process is named so that a person finds it") {
+TEST_CASE("the text of a process has program, host, process id and start time") {
   setenv("TZ", "UTC", 1);
   tzset();
   CHECK(to_text({7, "alpha", 5217, 1'795'355'110}, "aloft-metrics") ==
         "aloft-metrics on host alpha (process 5217, since 2026-11-22 13:45:10)");
-  // What a stranger may claim must not end the process that names it.
+  // A start time claimed by another process, however wrong, must not end the process that prints it.
   CHECK(to_text({7, "alpha", 1, std::numeric_limits<std::uint64_t>::max()}, "x").find("9999-12-31") !=
         std::string::npos);
 }

@@ -63,7 +63,7 @@ double RandomStream::uniform() noexcept {
 }
 
 std::uint32_t RandomStream::uniform_index(std::uint32_t n) noexcept {
-  // Lemire's multiply-and-reject: exact, and almost never draws twice.
+  // Lemire's method (Fast Random Integer Generation in an Interval, 2019): unbiased, and hardly ever draws twice.
   std::uint64_t product = std::uint64_t{next_u32()} * n;
   if (static_cast<std::uint32_t>(product) < n) {
     const std::uint32_t threshold = (0U - n) % n;

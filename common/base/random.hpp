@@ -7,7 +7,8 @@
 
 namespace aloft {
 
-/// The one source of randomness: Philox4x32-10 (Random123), a pure function of (seed, trial, stream name, counter).
+/// The only source of randomness: Philox4x32-10 (Salmon et al., Parallel Random Numbers: As Easy as 1, 2, 3, 2011), a
+/// pure function of (seed, trial, stream name, counter).
 /// Equal keys give equal numbers on every machine; streams with different names are independent. No distribution of the
 /// standard library is used, because they differ between libraries.
 class RandomStream {
@@ -28,14 +29,14 @@ class RandomStream {
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
   /// Uniform in {0, ..., n - 1} without bias; n >= 1.
   std::uint32_t uniform_index(std::uint32_t n) noexcept;
-  /// Mean 1.
+  /// Exponential with mean 1.
   double exponential() noexcept;
-  /// Mean 0, standard deviation 1 (Box-Muller, one value per two uniforms).
+  /// Normal with mean 0, standard deviation 1 (Box-Muller, one value per two uniforms).
   double normal() noexcept;
   /// Poisson with this mean: sums of exponential gaps in pieces of mean at most 500, so cost grows with the mean.
   std::uint32_t poisson(double mean) noexcept;
 
-  /// Where the sequential draws stand, so that a checkpoint can resume them.
+  /// The position of the sequential draws, so that a checkpoint can resume them.
   [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
   void seek(std::uint64_t position) noexcept { position_ = position; }
 

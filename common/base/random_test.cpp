@@ -31,7 +31,7 @@ TEST_CASE("streams are a pure function of seed, trial and name") {
   CHECK(RandomStream(7, 3, "fading").next_u32() != first[0]);
 }
 
-TEST_CASE("many blocks at once are the single blocks") {
+TEST_CASE("many blocks at once equal the single blocks") {
   const RandomStream stream(7, 3, "fading");
   for (const std::uint32_t count : {0U, 1U, 3U, 16U, 53U}) {  // with whole vectors and without
     std::vector<std::uint32_t> b;

@@ -18,7 +18,7 @@ namespace {
 /// A file open for reading that closes itself.
 class Source {
  public:
-  /// O_NONBLOCK: to open a pipe that nobody writes to would take for ever.
+  /// O_NONBLOCK: opening a pipe without a writer would never return.
   explicit Source(const std::filesystem::path& file)
       : file_(file), fd_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
     if (fd_ < 0) refuse_for(errno);

@@ -43,10 +43,10 @@ TEST_CASE("a file is read whole, up to its largest size, also through a link") {
   CHECK_THAT(refusal(folder.path / "file", 199'999), Contains("file'") && Contains("more than 199999 bytes"));
   std::filesystem::create_symlink(folder.path / "file", folder.path / "link");
   CHECK(read_file(folder.path / "link") == content);
-  CHECK(!read_file("/proc/self/status").empty());  // whose size is said to be 0
+  CHECK(!read_file("/proc/self/status").empty());  // its reported size is 0
 }
 
-TEST_CASE("what is no file is refused at once") {
+TEST_CASE("a path that is not a regular file is refused without waiting") {
   const Folder folder;
   CHECK_THAT(refusal(folder.path / "nothing"), Contains("nothing': No such file"));
   CHECK_THAT(refusal(folder.path), Contains("is a folder, not a file"));

@@ -9,8 +9,8 @@
 
 namespace aloft {
 
-/// Turns SIGINT and SIGTERM into a flag and wakes whoever waits. Make it in main() before any other thread: the signals
-/// are blocked there and in every thread started later. A second signal ends the process at once with code 130.
+/// Turns SIGINT and SIGTERM into a flag and wakes all waiting threads. Create it in main() before any other thread: the
+/// signals are blocked there and in every thread started later. A second signal ends the process at once with code 130.
 class StopSignal {
  public:
   StopSignal();
@@ -19,13 +19,13 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
 
   [[nodiscard]] bool requested() const noexcept { return requested_; }
-  /// True if a signal asked, rather than request().
+  /// True if the stop was requested by a signal, not by request().
   [[nodiscard]] bool interrupted() const noexcept { return interrupted_; }
-  /// Asks from inside the process.
+  /// Requests a stop from inside the process.
   void request();
 
-  /// `call` runs once in another thread when the stop is asked for, at once if it already was; it must not wait.
-  /// Returns a ticket; destroying it takes the call back.
+  /// `call` runs once in another thread when a stop is requested, immediately if it already was; it must not block.
+  /// Destroying the returned ticket cancels the call.
   using Ticket = std::shared_ptr<void>;
   [[nodiscard]] Ticket on_request(std::function<void()> call);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t usual_columns = 80;
 
-/// None: not set, or no number.
+/// COLUMNS; 0 if it is not set or not a number.
 std::size_t columns_asked_for() {
   const char* text = std::getenv("COLUMNS");
   std::size_t columns = 0;

@@ -4,11 +4,11 @@
 
 namespace aloft {
 
-/// The width that text for people has on standard output or standard error: COLUMNS if it is set to a number, else what
-/// the terminal says (80 if it does not), else, for a file or a pipe, unlimited_width.
+/// The width of text for people on standard output or standard error: COLUMNS if it is set to a number, else the width
+/// that the terminal reports (80 if it reports none), else, for a file or a pipe, unlimited_width.
 [[nodiscard]] std::size_t text_width(int descriptor);
 
-/// The columns of the terminal itself, whatever COLUMNS says; none: it is no terminal, or does not say.
+/// The width that the terminal reports, whatever COLUMNS says; 0 if it is no terminal or reports none.
 [[nodiscard]] std::size_t terminal_columns(int descriptor);
 
 }  // namespace aloft

@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::string_view indent = "  ";
 constexpr std::string_view gap = "  ";
-constexpr std::size_t narrowest_name = 12;  // of the first column, however little room there is
+constexpr std::size_t narrowest_name = 12;  // the first column is never cut below this
 
-/// The characters of a text and the columns that they take, by the C library's table for UTF-8, whatever the locale of
-/// the program.
+/// The characters of a text and the columns that they take, by the C library's UTF-8 table, independent of the
+/// program's locale.
 class Characters {
  public:
   explicit Characters(std::string_view text) : rest_(text), before_(uselocale(utf8())) {}
@@ -27,7 +27,7 @@ class Characters {
     std::size_t bytes = 0;
     std::size_t columns = 0;
   };
-  /// No bytes: the end.
+  /// The next character; without bytes at the end.
   One next() {
     if (rest_.empty()) return {};
     wchar_t character = 0;
@@ -43,7 +43,7 @@ class Characters {
  private:
   static locale_t utf8() {
     static const locale_t locale = newlocale(LC_CTYPE_MASK, "C.UTF-8", locale_t{});
-    return locale;  // null if the C library has none: then this thread's stays
+    return locale;  // null if the C library has no C.UTF-8: then the thread keeps its locale
   }
 
   std::string_view rest_;

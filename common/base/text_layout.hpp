@@ -8,14 +8,14 @@
 
 namespace aloft {
 
-/// Of an output that is no terminal: nothing has to fit.
+/// The width of an output that is no terminal.
 inline constexpr std::size_t unlimited_width = std::numeric_limits<std::size_t>::max();
 
-/// The columns that a line takes in a terminal: wide characters take two, combining ones none. A byte that is no UTF-8
-/// takes one.
+/// The columns that a line takes in a terminal: wide characters take two, combining ones none, other bytes than
+/// UTF-8 one.
 [[nodiscard]] std::size_t display_width(std::string_view line);
 
-/// The line, or if it takes more than `width` columns its beginning with "…" behind it.
+/// The line; if it takes more than `width` columns, its beginning followed by "…".
 [[nodiscard]] std::string cut_to(std::string_view line, std::size_t width);
 
 /// Text broken at spaces into lines of at most `width` columns, each with its line break: the first begins with
@@ -23,7 +23,7 @@ inline constexpr std::size_t unlimited_width = std::numeric_limits<std::size_t>:
 [[nodiscard]] std::string wrapped(std::string_view text, std::size_t width, std::string_view first = "",
                                   std::string_view rest = "");
 
-/// How people want a table.
+/// How a table is to be printed.
 struct TableShape {
   std::size_t width = unlimited_width;  ///< that it should fit
   bool brief = false;                   ///< only the columns that matter most
@@ -35,7 +35,7 @@ class TextTable {
  public:
   struct Column {
     std::string heading;
-    unsigned rank = 0;  ///< 0: always shown; of the others the greatest rank is left out first
+    unsigned rank = 0;  ///< 0: always shown; columns of the greatest rank are left out first
   };
   struct Cell {
     Cell(std::string cell, bool stands_out = false) : text(std::move(cell)), emphasised(stands_out) {}
@@ -51,11 +51,11 @@ class TextTable {
 
   /// The rank up to which columns are shown: 0 if brief, else the greatest with which all of them fit.
   [[nodiscard]] unsigned fitting_rank(const TableShape& shape) const;
-  /// What is missing for want of room, in a line for people; empty if nothing is, or by their wish.
+  /// A line that names the columns left out for lack of room; empty if there are none, or if the shape is brief.
   [[nodiscard]] std::string left_out(unsigned rank, const TableShape& shape) const;
 
-  /// Aligned, two spaces from the left, columns up to `rank` only. Columns that still do not fit go on in further
-  /// blocks, which begin with the first column again; that one is cut if need be.
+  /// Aligned, two spaces from the left, columns up to `rank` only. Columns that still do not fit follow in further
+  /// blocks, each of which repeats the first column; that one is cut if necessary.
   [[nodiscard]] std::string text(const TableShape& shape, unsigned rank = every_rank) const;
   [[nodiscard]] std::string markdown() const;
 

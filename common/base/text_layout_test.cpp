@@ -14,7 +14,7 @@ std::size_t widest_line(const std::string& text) {
   return widest;
 }
 
-/// Agents with a number, an interval, and two columns that can be spared.
+/// Agents with a number, an interval, and two columns that can be left out.
 TextTable example() {
   TextTable table({{"agent"}, {"bit/s/Hz"}, {"[95 %]"}, {"height m", 2}, {"gain over min-height"}, {"kJ", 1}});
   table.add({"min-height", "10.20", "[9.81, 10.63]", "30.0", "+0.00", "12.6"});
@@ -34,7 +34,7 @@ TEST_CASE("the width of a line is that of its characters in a terminal", "[text-
                       "b") == 4);  // no UTF-8
 }
 
-TEST_CASE("a line is cut between characters, and says so", "[text-layout]") {
+TEST_CASE("a line is cut between characters and ends in an ellipsis", "[text-layout]") {
   CHECK(cut_to("twelve chars", 12) == "twelve chars");
   CHECK(cut_to("twelve chars", 11) == "twelve cha…");
   CHECK(cut_to("±±±±", 3) == "±±…");
@@ -67,7 +67,7 @@ TEST_CASE("a table that fits shows everything, aligned", "[text-layout]") {
   CHECK(example().fitting_rank({}) == 2);
 }
 
-TEST_CASE("a narrow table leaves out what can be spared, the greatest rank first, and folds the rest",
+TEST_CASE("a narrow table leaves out the columns of the greatest ranks first, and breaks the rest into blocks",
           "[text-layout]") {
   const TextTable table = example();
   CHECK(table.fitting_rank({.width = 80}) == 2);

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 // Loops compiled for several vector widths and chosen at run time. All give the same bits: each operation is rounded by
-// itself, as IEEE 754 demands, and none is reordered. Fused multiply-adds are those written as std::fma, which the C
-// library works out where the CPU has none. The file that uses these loops must be compiled with -O3.
+// itself, as IEEE 754 requires, and none is reordered. Only std::fma becomes a fused multiply-add; the C library
+// computes it on CPUs without that instruction. The file that uses these loops must be compiled with -O3.
 #if defined(__x86_64__)
 #define ALOFT_WIDE_VECTORS [[gnu::target("avx2,fma")]]
 #if defined(__clang__)

@@ -29,7 +29,7 @@ class Descriptor {
   int fd_;
 };
 
-/// These three leave the reason of a failure in errno.
+/// The next three functions return false on a failure and leave its reason in errno.
 bool write_all(int fd, std::string_view content) {
   while (!content.empty()) {
     const ssize_t count = ::write(fd, content.data(), content.size());
@@ -41,15 +41,15 @@ bool write_all(int fd, std::string_view content) {
 }
 
 bool write_draft(const std::filesystem::path& draft, std::string_view content, mode_t mode) {
-  ::unlink(draft.c_str());  // what a killed process left may be a link, or have other permissions
+  ::unlink(draft.c_str());  // what a killed process left can be a link, or have other permissions
   const Descriptor descriptor(draft, O_WRONLY | O_CREAT | O_EXCL, mode);
   return descriptor.get() >= 0 && write_all(descriptor.get(), content) && ::fsync(descriptor.get()) == 0;
 }
 
 bool sync_folder_of(const std::filesystem::path& file) {
   const Descriptor folder(file.has_parent_path() ? file.parent_path() : ".", O_RDONLY | O_DIRECTORY);
-  if (folder.get() < 0) return true;                     // one may write into a folder that one may not read
-  return ::fsync(folder.get()) == 0 || errno == EINVAL;  // not all file systems can
+  if (folder.get() < 0) return true;                     // a folder can be writable but not readable
+  return ::fsync(folder.get()) == 0 || errno == EINVAL;  // EINVAL: the file system cannot
 }
 
 }  // namespace

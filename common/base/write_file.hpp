@@ -7,8 +7,8 @@
 
 namespace aloft {
 
-/// Writes a file that is either complete or as it was before, whatever happens meanwhile, a power failure included: the
-/// bytes go to FILE.part, reach the disk, and take the name FILE, which reaches the disk too. One writer at a time.
+/// Writes a file atomically: even after a power failure it is either complete or as it was before. The bytes go to
+/// FILE.part and are synced, then that is renamed to FILE, and the folder is synced. One writer at a time.
 /// `mode` are the permissions, less those of the umask. Throws InputError "cannot write 'FILE': why".
 void write_file(const std::filesystem::path& file, std::string_view content, mode_t mode = 0666);
 

@@ -23,7 +23,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// What the next calls of fsync in this program do, instead of the C library's.
+/// If set, calls of fsync in this program run this function instead of the C library's.
 std::function<int(int)>& fsync_instead() {
   static std::function<int(int)> instead;
   return instead;
@@ -65,7 +65,7 @@ TEST_CASE("a file is written whole, with its permissions, and nothing is left be
   CHECK(folder.files() == 1);
 }
 
-TEST_CASE("who reads a file while it is written finds the old or the new one") {
+TEST_CASE("a reader of a file that is being written finds the old or the new one") {
   const OutputFolder folder;
   const std::string old_content(200'000, 'o');
   const std::string new_content(300'000, 'n');
@@ -83,7 +83,7 @@ TEST_CASE("who reads a file while it is written finds the old or the new one") {
   CHECK(whole);
 }
 
-TEST_CASE("bytes reach the disk before they have their name, and the name before anything else is done") {
+TEST_CASE("the bytes are synced before the rename, and the folder after it") {
   const OutputFolder folder;
   std::string order;
   fsync_instead() = [&](int fd) {
@@ -97,7 +97,7 @@ TEST_CASE("bytes reach the disk before they have their name, and the name before
   CHECK(order == "bytes, name");
 }
 
-TEST_CASE("a file that cannot be written is as it was, with the reason") {
+TEST_CASE("a file that cannot be written stays as it was, and the error has the reason") {
   const OutputFolder folder;
   write_file(folder.file, "old");
   SECTION("the disk is full") {
@@ -110,7 +110,7 @@ TEST_CASE("a file that cannot be written is as it was, with the reason") {
     ::setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, handler);
   }
-  SECTION("the disk does not take it") {
+  SECTION("fsync fails") {
     fsync_instead() = [](int) { return errno = EIO, -1; };
     CHECK_THROWS_WITH(write_file(folder.file, "new"), Contains("file': Input/output error"));
   }
@@ -122,7 +122,7 @@ TEST_CASE("a file that cannot be written is as it was, with the reason") {
   CHECK(folder.files() == 1);
 }
 
-TEST_CASE("what a killed writer left behind neither opens a secret nor leads elsewhere") {
+TEST_CASE("a leftover .part file exposes no secret, and its link is not followed") {
   const OutputFolder folder;
   const fs::path left = folder.file.string() + ".part";
   SECTION("a file for all to read") {

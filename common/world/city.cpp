@@ -60,7 +60,7 @@ class HeightDistribution {
   }
 
  private:
-  /// cumulative_[k] = P(height <= k m), until the rest is below rounding.
+  /// cumulative_[k] = P(height <= k m), up to the k beyond which the probability vanishes in rounding.
   void fill_cumulative() {
     double probability = std::exp(-mean_m_);
     double sum = probability;
@@ -96,7 +96,7 @@ const std::vector<ParameterSpec>& city_parameters() {
 
 double probability_of_enough_stations(const Parameters& world) {
   const double mean = mean_base_stations(world);
-  double probability = std::exp(-mean);  // of exactly k
+  double probability = std::exp(-mean);  // of exactly k stations
   double too_few = 0.0;
   for (int k = 0; k < world.integer("min_base_stations"); probability *= mean / ++k) too_few += probability;
   return 1.0 - too_few;

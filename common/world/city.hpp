@@ -8,7 +8,7 @@
 
 namespace aloft::world {
 
-/// Base stations and buildings: densities, heights, the window they fill.
+/// The parameters of a city: densities, heights, and the window that base stations and buildings fill.
 [[nodiscard]] const std::vector<ParameterSpec>& city_parameters();
 
 /// The city of one trial.
@@ -16,11 +16,11 @@ namespace aloft::world {
 /// Base stations: Poisson(density * window^2) many, redrawn until there are min_base_stations, at uniform positions.
 /// Buildings: on a grid of floor(sqrt(n)) x ceil(sqrt(n)) cell centres, n = density * window^2, with independent
 /// heights. Streams: "base station count", "base station positions", "building heights", so conditions that differ in
-/// one density share everything else. `world` holds at least the keys of city_parameters(). InputError if there are
-/// more base stations than limits::base_stations, or hardly ever enough.
+/// one density share everything else. `world` holds at least the keys of city_parameters(). Throws
+/// InputError if there are more base stations than limits::base_stations, or if almost no draw has enough of them.
 [[nodiscard]] City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t trial);
 
-/// How likely a draw of the number of base stations is large enough.
+/// The probability that a Poisson draw of the number of base stations is at least min_base_stations.
 [[nodiscard]] double probability_of_enough_stations(const Parameters& world);
 
 }  // namespace aloft::world

@@ -44,7 +44,7 @@ TEST_CASE("buildings stand on a grid of 42 by 43 at 200 per km2") {
   CHECK(city.building_height_m.size() == 42U * 43U);
   CHECK(city.building_centre(0, 0).x_m == Approx(-1500.0 + 3000.0 * 0.5 / 42));
   CHECK(city.building_centre(41, 42).y_m == Approx(1500.0 - 3000.0 * 0.5 / 43));
-  for (const double density_per_km2 : {0.0, 0.1}) {  // 0.1: not one of them, on the average
+  for (const double density_per_km2 : {0.0, 0.1}) {  // 0.1: less than one building on average
     const world::City open = world::generate_city(parameters({{"building_density_per_km2", density_per_km2}}), 1, 0);
     CHECK(open.buildings_x == 0);
     CHECK(open.buildings_y == 0);
@@ -95,7 +95,7 @@ TEST_CASE("cities with too few base stations are drawn again") {
                   InputError);
 }
 
-TEST_CASE("a city with more base stations than fading can tell apart is refused with their number") {
+TEST_CASE("a city with more base stations than fading can number is refused with their count") {
   std::vector<ParameterSpec> table = world::city_parameters();
   for (ParameterSpec& spec : table)
     if (spec.name == "bs_density_per_km2") spec.maximum = 1e6;
@@ -107,13 +107,13 @@ TEST_CASE("a city with more base stations than fading can tell apart is refused 
   CHECK_THROWS_WITH(made(66'500), Catch::Contains("trial 0 has 66") && Catch::Contains("base stations; at most 65536"));
 }
 
-TEST_CASE("how likely a city has enough base stations") {
+TEST_CASE("the probability of enough base stations") {
   const auto enough = [](double density_per_km2, int least) {
     return world::probability_of_enough_stations(
         parameters({{"bs_density_per_km2", density_per_km2}, {"window_m", 1000}, {"min_base_stations", least}}));
   };
   CHECK(enough(1, 1) == Approx(0.63212056));    // 1 - 1/e
-  CHECK(enough(4.5, 6) == Approx(0.29706951));  // of a table
+  CHECK(enough(4.5, 6) == Approx(0.29706951));  // from a table of the Poisson distribution
   CHECK(enough(500, 6) == Approx(1.0));
 }
 

@@ -22,7 +22,7 @@ namespace aloft::world {
 namespace {
 
 constexpr std::size_t largest_heights = 1000;
-constexpr double rounding = 1e-6;  // of spacings, as a share
+constexpr double rounding = 1e-6;  // allowed error of spacings, relative
 static_assert(largest_heights <= limits::heights);
 
 struct Column {
@@ -46,7 +46,7 @@ constexpr std::array<Column, ColumnIndex::count> columns{{
     {"observed", false, 0, 1, true},
 }};
 
-/// A field and where it stands.
+/// A field and its place in the file.
 struct Field {
   std::string_view text;
   std::size_t line;
@@ -194,7 +194,7 @@ std::map<double, const Row*> evenly_spaced_heights(const std::vector<Row>& rows,
   return heights;
 }
 
-/// rows in the layout [(step - 1) * heights + level], each cell exactly once.
+/// The rows in the layout [(step - 1) * heights + level]; every cell must be there exactly once.
 std::vector<const Row*> as_grid(const std::vector<Row>& rows, const std::map<double, const Row*>& heights,
                                 const Reader& reader) {
   const std::size_t levels = heights.size();
@@ -206,7 +206,7 @@ std::vector<const Row*> as_grid(const std::vector<Row>& rows, const std::map<dou
     reader.fail(rows.front().step_field,
                 fmt::format("{} steps of {} heights are too many; at most {} values are possible", steps, levels,
                             limits::cells));
-  // With fewer rows than cells, one of the first rows.size() + 1 cells is empty: no need to keep more.
+  // If there are fewer rows than cells, one of the first rows.size() + 1 cells is empty: more need not be kept.
   std::vector<const Row*> grid(std::min(static_cast<std::size_t>(steps) * levels, rows.size() + 1), nullptr);
   for (const Row& row : rows) {
     const auto step_index = static_cast<std::size_t>(row.value[ColumnIndex::step]) - 1;
@@ -214,7 +214,7 @@ std::vector<const Row*> as_grid(const std::vector<Row>& rows, const std::map<dou
     if (at >= grid.size()) continue;
     const Row*& cell = grid[at];
     if (cell)
-      reader.fail(row.step_field, fmt::format("step {} at height {} m stands already in line {}", step_index + 1,
+      reader.fail(row.step_field, fmt::format("step {} at height {} m is already in line {}", step_index + 1,
                                               row.value[ColumnIndex::height], cell->step_field.line));
     cell = &row;
   }
@@ -247,7 +247,7 @@ double sinr_from_throughput_db(double throughput_kbps) noexcept {
 
 namespace {
 
-/// Of a row of a file without sinr_db.
+/// The SINR of a row, for files without sinr_db.
 double derived_sinr_db(const Row& row, const Reader& reader) {
   const double sinr_db = sinr_from_throughput_db(row.value[ColumnIndex::throughput]);
   if (std::fabs(sinr_db) > limits::level_db)

@@ -7,14 +7,14 @@
 
 namespace aloft::world {
 
-/// SINR for a throughput: monotone linear interpolation, and linear extrapolation, of the published pairs
-/// (29.02 Mbit/s, 3.4 dB) ... (76.65 Mbit/s, 20.2 dB).
+/// SINR for a throughput: piecewise linear interpolation, and linear extrapolation, of the pairs that the published
+/// code has, (29.02 Mbit/s, 3.4 dB) ... (76.65 Mbit/s, 20.2 dB).
 [[nodiscard]] double sinr_from_throughput_db(double throughput_kbps) noexcept;
 
 /// A measured flight from CSV text: columns step, height_m, throughput_kbps, and optionally sinr_db, latitude,
 /// longitude, serving_cell, observed, in any order; one row per (step, height), in any order; steps from 1 without
-/// gaps; the same evenly spaced heights at every step. `name` stands in messages. Throws InputError "name:line:column:
-/// reason", where column counts characters from 1.
+/// gaps; the same evenly spaced heights at every step. `name` is the file's name in messages. Throws InputError
+/// "name:line:column: reason", where column counts characters from 1.
 [[nodiscard]] MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name);
 
 /// The same from a file. Throws InputError if it cannot be read.

@@ -77,7 +77,7 @@ TEST_CASE("bad files are refused with file, line, column and reason") {
   CHECK_THAT(error_of(header + rows + "2,30\n"), Contains("flight.csv:4:5: ") && Contains("2 fields"));
   CHECK_THAT(error_of(header + rows + "2,30,5,6\n"), Contains("flight.csv:4:8: ") && Contains("4 fields"));
   CHECK_THAT(error_of(header + rows + "1,40,7\n"),
-             Contains("flight.csv:4:1: ") && Contains("step 1 at height 40 m stands already in line 3"));
+             Contains("flight.csv:4:1: ") && Contains("step 1 at height 40 m is already in line 3"));
   CHECK_THAT(error_of(header + rows + "2,30,7\n"), Contains("without step 2 at height 40 m"));
   CHECK_THAT(error_of(header + rows + "3,30,7\n3,40,7\n"), Contains("without step 2 at height 30 m"));
   CHECK_THAT(error_of(header + rows + "16384,30,7\n"), Contains("without step 2 at height 30 m"));
@@ -87,7 +87,7 @@ TEST_CASE("bad files are refused with file, line, column and reason") {
              Contains("flight.csv:2:3: ") && Contains("two heights"));
 }
 
-TEST_CASE("measured flights that would not fit on the wire are refused") {
+TEST_CASE("measured flights beyond the limits of the wire are refused") {
   const auto flight = [](int steps, int heights, double spacing_m, const char* kbps) {
     std::string csv = header;
     for (int step = 1; step <= steps; ++step)
@@ -100,7 +100,7 @@ TEST_CASE("measured flights that would not fit on the wire are refused") {
              Contains("flight.csv:2:1: 16384 steps of 65 heights are too many; at most 1048576 values"));
   CHECK_THAT(error_of(flight(20'000, 2, 1, "5")), Contains("flight.csv:32770:1: ") && Contains("from 1 to 16384"));
   CHECK(error_of(flight(1, 2, 1e-3, "5")) == "accepted");
-  CHECK(1000.001 - 1000.0 < 0.001);  // in binary
+  CHECK(1000.001 - 1000.0 < 0.001);  // 1 mm apart, but less in binary
   CHECK(world::parse_measured_flight(std::string(header) + "1,1000,5\n1,1000.001,5\n", "x").height_step_m == 0.001);
   CHECK_THAT(error_of(flight(1, 2, 1e-4, "5")),
              Contains("flight.csv:3:3: ") && Contains("0.0001 m apart") && Contains("at least 0.001 m"));

@@ -7,10 +7,10 @@
 namespace aloft::world {
 namespace {
 
-/// Whether the route is known beforehand.
+/// The route rules; true: the whole route is known before the flight.
 constexpr std::array<Choice<bool>, 2> route_rules{{{"nearest", true}, {"serving", false}}};
 
-/// y of the base station that is horizontally nearest to (x_m, 0); the first of equals.
+/// y of the base station that is horizontally nearest to (x_m, 0); the first of equally near ones.
 double y_of_nearest_station_m(const City& city, double x_m) {
   double nearest_m2 = std::numeric_limits<double>::infinity();
   double y_m = 0.0;

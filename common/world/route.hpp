@@ -8,7 +8,7 @@
 
 namespace aloft::world {
 
-/// Where the UAV flies: along x at y near 0.
+/// The parameters of a route, which runs along x with y near 0.
 [[nodiscard]] const std::vector<ParameterSpec>& route_parameters();
 
 /// The ground track over a city: points 0..steps at x = route_start_x_m + point * route_spacing_m, and y within

@@ -28,7 +28,7 @@ struct City {
   }
 };
 
-/// A measured flight: what a UAV would have got at every height of every step.
+/// A measured flight: the throughput and SINR that a UAV would have had at every height of every step.
 struct MeasuredFlight {
   double height_min_m = 0.0;
   double height_step_m = 0.0;

@@ -5,7 +5,7 @@
 namespace aloft::flight {
 namespace {
 
-// Table I of the paper.
+// Table I of Zeng, Xu, Zhang (see energy.hpp).
 constexpr double weight_n = 20.0;
 constexpr double air_density_kg_per_m3 = 1.225;
 constexpr double rotor_radius_m = 0.4;
@@ -18,7 +18,7 @@ constexpr double induced_power_factor = 0.1;
 constexpr double induced_speed_m_per_s = 4.03;  // mean, in hover
 constexpr double profile_drag = 0.012;
 
-// The paper has no climb; a drive turns about this share of its power into lift.
+// Zeng et al. treat level flight only. An assumption: this share of the drive's power becomes lift in a climb.
 constexpr double climb_efficiency = 0.7;
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST_CASE("a step costs its duration in level flight, and climbing comes on top"
   CHECK(step_energy_j({}, -10.0) == step_energy_j({}, 0.0));
 }
 
-TEST_CASE("a record knows the energy and the handovers of its flight") {
+TEST_CASE("a record computes the energy and the handovers of its flight") {
   flight::FlightRecord record;
   record.height_start_m = 40.0;
   CHECK_FALSE(record.handovers().has_value());
@@ -53,7 +53,7 @@ TEST_CASE("a record knows the energy and the handovers of its flight") {
     record.steps.push_back(step);
   };
   add(40.0, -1);
-  CHECK_FALSE(record.handovers().has_value());  // unknown is not none
+  CHECK_FALSE(record.handovers().has_value());  // unknown, not 0
   add(60.0, 3);
   CHECK(record.handovers() == 0U);  // the first that is known
   add(50.0, -1);

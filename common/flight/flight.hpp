@@ -32,18 +32,18 @@ struct StepRecord {
 /// A finished flight.
 struct FlightRecord {
   radio::QosKind qos_kind = radio::QosKind::spectral_efficiency;
-  std::vector<std::string> pilots;  ///< who commanded, in order of first appearance
+  std::vector<std::string> pilots;  ///< names of the agents that commanded, in order of first appearance
   std::vector<StepRecord> steps;
 
   [[nodiscard]] double qos_mean() const;  ///< over all steps, fixed order
   [[nodiscard]] double height_mean_m() const;
   [[nodiscard]] std::uint32_t height_changes()
       const;  ///< steps whose height differs from the one before (start: height_min_m)
-  /// Of one step, by its index, and of all of them.
+  /// The energy of one step, by its index, and of the whole flight.
   [[nodiscard]] double step_energy_j(std::size_t index, const Costs& costs) const;
   [[nodiscard]] double energy_j(const Costs& costs) const;
-  /// Changes of serving cell from step to step, where steps with an unknown cell (-1) are passed over; none if no cell
-  /// is known at all.
+  /// Changes of serving cell from step to step; steps with an unknown cell (-1) are skipped. Nothing if no cell is
+  /// known at all.
   [[nodiscard]] std::optional<std::uint32_t> handovers() const;
   double height_start_m = 0.0;
 };
@@ -62,14 +62,15 @@ class Flight {
   /// Whether the whole route is known before the flight.
   [[nodiscard]] bool fixed_route() const noexcept { return map_.fixed_route(); }
 
-  /// Privileged: quality over heights where the result of `step` will be read. With a fixed route any step may be asked
-  /// for, otherwise only the next one (std::logic_error).
+  /// Privileged: quality over heights where the result of `step` will be read. Without a fixed route only the next step
+  /// is known; for others it throws std::logic_error.
   [[nodiscard]] agents::HeightProfile profile(std::uint32_t step) const;
-  /// The same, into memory that is used again.
+  /// The same, into memory that the caller reuses.
   void profile(std::uint32_t step, agents::HeightProfile& into) const;
 
   /// Executes one command by `pilot`. Moves are clamped to the height limits; an absolute height is rounded to the
-  /// map's grid and clamped. The caller has checked that the agent may use it. std::logic_error after the last step.
+  /// map's grid and clamped. The caller has checked that the agent may use it. Throws std::logic_error after the last
+  /// step.
   void step(const agents::Command& command, std::string_view pilot);
 
   [[nodiscard]] const FlightRecord& record() const& noexcept { return record_; }
@@ -78,9 +79,9 @@ class Flight {
  private:
   /// Where the result of the next step (or, with a fixed route, of any step) is read.
   [[nodiscard]] world::Position result_position(std::uint32_t step) const noexcept;
-  /// Changes level_ and says what was really done.
+  /// Changes level_ and returns the action after clamping.
   agents::Action move(const agents::Command& command);
-  /// Reads the radio at route point `point`, where the UAV is.
+  /// Reads the radio at route point `point`, the UAV's present one.
   void measure(std::uint32_t point);
   /// Quality minus costs of a step that changed the height by `climb_m`; notes the serving cell.
   double reward(double climb_m);
@@ -93,19 +94,19 @@ class Flight {
   FlightRecord record_;
   world::Position position_;
   std::uint32_t level_ = 0;        // index into the map's height grid
-  std::int32_t scored_cell_ = -1;  // that served last in a scored step; -1: none is known
+  std::int32_t scored_cell_ = -1;  // the last known serving cell of a scored step; -1: none
 };
 
-/// What an agent with this privilege may foresee before it observes flight.observation(), in order: nothing, the next
-/// step, or before the first command all steps. Calls `deliver` with each profile; `buffer` is overwritten.
-/// Throws InputError if the whole route is asked for, but depends on the flight itself.
+/// Calls `deliver` with each profile that an agent with this privilege may foresee before it observes
+/// flight.observation(): none, that of the next step, or, before the first command, those of all steps in order.
+/// `buffer` is overwritten. Throws InputError if the privilege is the whole route, but the route depends on the flight.
 void foresee(const Flight& flight, agents::Privilege privilege, agents::HeightProfile& buffer,
              const std::function<void(const agents::HeightProfile&)>& deliver);
 
-/// Executes what `pilot` commands. std::logic_error if it may not jump to a height, but does.
+/// Executes a command of `pilot`. Throws std::logic_error if it jumps to a height, but its type may not.
 void execute(Flight& flight, const agents::Command& command, const agents::AgentSpec& pilot);
 
-/// Flies `agent` to the end: the direct call that --in-process uses, and the meaning of the protocol on the bus.
+/// Flies `agent` to the end by direct calls, as --in-process does. The protocol on the bus must give the same flight.
 [[nodiscard]] FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, agents::Agent& agent,
                                const agents::AgentSpec& spec, const Costs& costs = {});
 

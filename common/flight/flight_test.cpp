@@ -67,7 +67,7 @@ TEST_CASE("a generated flight scores step j at route point j, after the j-th act
   CHECK(flight.record().height_changes() == 3);
 }
 
-TEST_CASE("energy and handovers come off the reward, not off the quality") {
+TEST_CASE("energy and handovers are subtracted from the reward, not from the quality") {
   SyntheticMap map = labelled(QosKind::spectral_efficiency, 5);
   Flight flight(map, 7, 3, {.speed_m_per_s = 20.0, .energy_weight = 0.25, .handover_cost = 3.0});
   // Quality modulo 7 is the cell: 3, 5, 6, 1, so every step but the first is a handover.
@@ -140,7 +140,7 @@ TEST_CASE("with a route that follows the serving cell, the UAV swerves as its re
   SyntheticMap map = labelled(QosKind::spectral_efficiency, 4);
   map.follow_serving_cell();
   Flight flight(map, 1, 0);
-  // Served by cell qos % 7: 0 at the start, so 10 m to the side of even cells, where the next column is heard.
+  // The serving cell is qos % 7, 0 at the start: the UAV swerves as for even cells, and reads the next column there.
   CHECK(flight.profile(1).qos == std::vector<double>{200.0, 201.0, 202.0});
   CHECK_THROWS_AS(flight.profile(2), std::logic_error);
   flight.step({Action::up}, "me");

@@ -25,7 +25,7 @@ FlightRecord two_steps(double qos) {
 
 }  // namespace
 
-TEST_CASE("every metric is measured of a flight, by hand") {
+TEST_CASE("every metric of a flight equals the value computed by hand") {
   const MetricValues values = measure(two_steps(2.0), {});
   CHECK(values["qos_mean"] == 4.0);
   CHECK(values["height_mean_m"] == 50.0);
@@ -37,13 +37,13 @@ TEST_CASE("every metric is measured of a flight, by hand") {
   CHECK(measure(unknown_cells, {})["handovers"] == std::nullopt);
 }
 
-TEST_CASE("what is no flight, or no number, is not measured") {
+TEST_CASE("a flight without steps, and a metric that is not finite, are refused") {
   CHECK_THROWS_AS(measure({}, {}), IntegrityError);
   CHECK_THROWS_AS(measure(two_steps(std::numeric_limits<double>::infinity()), {}), IntegrityError);
   CHECK_THROWS_AS(metric_index("speed"), std::logic_error);
 }
 
-TEST_CASE("the table of metrics is sound") {
+TEST_CASE("every metric has a unique key, a description and words for headings") {
   std::set<std::string_view> names;
   for (const Metric& metric : metrics()) {
     INFO(metric.key);

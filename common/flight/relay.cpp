@@ -16,7 +16,8 @@ FlightRecord fly_relay(radio::SignalMap& map, std::uint64_t seed, std::uint32_t 
     const agents::Observation& report = flight.observation();
     for (std::size_t i = 0; i < relay.crew.size(); ++i) {
       const agents::CrewMember& member = relay.crew[i];
-      if (member.from_step == 0) continue;  // nobody dies here, so nobody takes over
+      if (member.from_step == 0)
+        continue;  // a standby takes over only from an agent that fails, and none fails in this process
       if (member.boards_at() == report.step) {
         aboard[i] = member.agent.make();
         aboard[i]->begin(flight.info());

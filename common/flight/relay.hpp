@@ -4,8 +4,8 @@
 
 namespace aloft::flight {
 
-/// Flies a relay as its crew's entries say: every member that is aboard sees every report and commands every step, and
-/// the command of the pilot is executed.
+/// Flies a relay as its crew's entries say: every member that is aboard receives every report and commands every step,
+/// and the pilot's command is executed.
 [[nodiscard]] FlightRecord fly_relay(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial,
                                      const agents::AgentSpec& relay, const Costs& costs = {});
 

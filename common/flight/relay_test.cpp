@@ -36,7 +36,7 @@ TEST_CASE("each member flies from its step on, and the record says so") {
   CHECK(pilots == std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 1, 2, 2});
 }
 
-TEST_CASE("a shadow arrives knowing what the pilot knows: relieved by its like, a flight is as if it flew alone") {
+TEST_CASE("a shadow learns what the pilot learns: after a relay between two alike, a flight is as if one flew alone") {
   for (const QosKind kind : {QosKind::spectral_efficiency, QosKind::throughput}) {
     for (const Json& agent :
          {Json{{"type", "dqn"}, {"epochs", 3}, {"hidden_width", 16}}, Json{{"type", "local-bandit"}},
@@ -56,7 +56,7 @@ TEST_CASE("a shadow arrives knowing what the pilot knows: relieved by its like, 
       CHECK(record.pilots == std::vector<std::string>{alone.name, "second"});
       if (agent["type"] == "dqn") {
         CHECK(record.steps.back().introspection->q_values == expected.steps.back().introspection->q_values);
-        // Cold, it begins as in its first step: everything at random.
+        // Without shadowing it begins as in a first step: every action is random.
         const FlightRecord cold = relieved(false);
         CHECK(cold.steps[29].introspection->epsilon == expected.steps[29].introspection->epsilon);
         CHECK(cold.steps[30].introspection->epsilon == 1.0);

@@ -36,27 +36,27 @@ constexpr std::uint32_t trial = 5;
 constexpr std::uint32_t levels = 9;
 constexpr std::uint32_t to_the_end = ~0U;
 
-/// Who really flies: given the agent's command and the step, the command to execute.
+/// Chooses the command to execute, given the command of the agent under test and the step.
 using Pilot = std::function<Command(const Command&, std::uint32_t)>;
 
 Command fly_as_told(const Command& command, std::uint32_t /*step*/) {
   return command;
 }
 
-/// A pilot of its own: climbs to the ceiling, stays, descends to the floor, stays.
+/// Ignores the agent: climbs to the ceiling, stays, descends to the floor, stays.
 Command fly_to_both_limits(const Command& /*command*/, std::uint32_t step) {
   const std::uint32_t phase = step % 40;
   return {phase < 12 ? Action::up : phase < 20 ? Action::hold : Action::down};
 }
 
-/// Follows the agent half of the time.
+/// Executes the agent's command in half of the steps.
 Command fly_half_as_told(const Command& command, std::uint32_t step) {
   const std::uint64_t bits = mix64(step);
   if (bits % 2 == 0) return command;
   return {bits % 4 == 1 ? Action::up : Action::down};
 }
 
-/// An unconstrained agent flies, the one under test looks on.
+/// An unconstrained agent flies; the one under test only observes.
 Command fly_by_jumps(const Command& /*command*/, std::uint32_t step) {
   return {Action::absolute, 40.0 + 10.0 * static_cast<double>(mix64(step) % levels)};
 }
@@ -99,7 +99,7 @@ bool equal(const Observation& a, const Observation& b) {
          a.reward == b.reward && a.last == b.last;
 }
 
-/// What an agent was told in a flight, and what it commanded.
+/// The reports that an agent received in a flight, and its commands.
 struct Flown {
   std::vector<Observation> reports;
   Commands commands;
@@ -139,7 +139,7 @@ class Kit {
     return problems_;
   }
 
-  /// Changes everything that the UAV did not measure.
+  /// Whether the commands change when every quality that the UAV did not measure is changed.
   bool depends_on_unmeasured() {
     Flight flight(map_, seed, trial);
     const auto agent = spec_.make();
@@ -162,7 +162,7 @@ class Kit {
     return fly_fresh(other) != flown;
   }
 
-  /// Changes everything after a step, for every step: commands up to there must be the same.
+  /// For every step: changes all qualities after it, and compares the commands up to it.
   bool depends_beyond_next_step() {
     const Commands ours = fly_fresh(map_).commands;
     for (std::uint32_t last = 1; last < options_.steps; ++last) {
@@ -175,7 +175,7 @@ class Kit {
   }
 
  private:
-  /// `run` returns what is wrong, or nothing. An illegal command is named once, whatever was being checked.
+  /// `run` returns the problem, or an empty text. An illegal command is reported once, whichever check found it.
   void check(std::string_view what, const std::function<std::string()>& run) {
     std::string problem;
     try {
@@ -196,7 +196,7 @@ class Kit {
     return SyntheticMap::random(kind, steps, level_count, world_seed);
   }
 
-  /// Gives every height of a point another quality, as likely as the old one: off by half of the largest.
+  /// Changes the quality at every height of a point by half of the largest, to one that is as plausible.
   static void change(SyntheticMap& map, std::uint32_t point) {
     const double half = map.qos_kind() == QosKind::throughput ? 40'000.0 : 10.0;
     for (std::uint32_t level = 0; level < levels; ++level) {
@@ -205,7 +205,7 @@ class Kit {
     }
   }
 
-  /// One exchange: foresee, observe, act. The command that is to be executed is legal.
+  /// One exchange: foresee, observe, act. An illegal command is replaced by a legal one.
   void exchange(const Flight& flight, Agent& agent, Flown& flown) {
     foresee(flight, type_.privilege, buffer_, [&](const HeightProfile& profile) { agent.foresee(profile); });
     agent.observe(flight.observation());
@@ -229,7 +229,7 @@ class Kit {
     return fmt::format("the limits are {} to {} m", info.height_min_m, info.height_max_m);
   }
 
-  /// Breaks off after the command for step `stop` + 1.
+  /// Ends the flight early, after the command for step `stop` + 1.
   Flown fly(SyntheticMap& map, Agent& agent, const Pilot& pilot, std::uint64_t flight_seed = seed,
             std::uint32_t stop = to_the_end) {
     Flight flight(map, flight_seed, trial);
@@ -257,7 +257,7 @@ class Kit {
     return {};
   }
 
-  /// An agent's earlier flight, which may have been broken off.
+  /// An agent's earlier flight, which can have ended early.
   struct Earlier {
     const char* what;
     SyntheticMap map;
@@ -314,7 +314,7 @@ class Kit {
     }
   }
 
-  /// In the crew of a relay: the first report is one of mid-flight.
+  /// As in the crew of a relay: the agent's first report is from the middle of a flight.
   std::string check_comes_aboard_late() {
     for (const std::uint32_t first : {1U, options_.steps / 2, options_.steps - 1}) {
       const std::string off = difference(fly_from(first).commands, fly_from(first).commands);

@@ -15,18 +15,17 @@ struct ConformanceOptions {
   unsigned steps = 40;    ///< per flight; less for slow learners
 };
 
-/// What every agent must do: legal commands, at the height limits too; the same commands in the same flight; a later
-/// flight like a fresh agent's, also after one that was broken off; save and restore in mid-flight; damaged states
-/// refused; nothing foreseen without the privilege; commands that depend on past reports alone; steps flown by someone
-/// else; coming aboard in mid-flight; both kinds of quality. `entry` is an agent as in an experiment file. Returns what
-/// is wrong and where to look, one sentence each; nothing if the agent conforms.
+/// Checks every promise of an agent: legal commands, at the height limits too; the same commands in the same flight; a
+/// later flight like a fresh agent's, also after one that ended early; save and restore in mid-flight; damaged states
+/// refused; nothing foreseen without the privilege; commands that depend on past reports alone; steps flown by another
+/// agent; coming aboard in mid-flight; both kinds of quality. `entry` is an agent as in an experiment file. Returns
+/// what is wrong and where to look, one sentence each; nothing if the agent conforms.
 [[nodiscard]] std::vector<std::string> conformance_problems(const nlohmann::json& entry,
                                                             const ConformanceOptions& options = {});
 /// The same as Catch2 checks.
 void check_conformance(const nlohmann::json& entry, const ConformanceOptions& options = {});
 
-/// Whether the agent's flight changes with the qualities that the UAV does not measure in it; and with those beyond the
-/// next step.
+/// Whether the agent's commands change with qualities that the UAV does not measure, or that lie beyond the next step.
 [[nodiscard]] bool depends_on_unmeasured(const agents::AgentSpec& spec, const ConformanceOptions& options = {});
 [[nodiscard]] bool depends_beyond_next_step(const agents::AgentSpec& spec, const ConformanceOptions& options = {});
 

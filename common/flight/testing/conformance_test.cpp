@@ -1,4 +1,4 @@
-// The kit finds what it promises to find: agents that each break one promise.
+// Each agent here breaks one promise, and the kit must find it.
 #include "common/flight/testing/conformance.hpp"
 
 #include <array>
@@ -21,7 +21,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Goes to the level where it has found the most so far, and anywhere now and then. Does all that the kit asks for.
+/// Goes to the level with the best reward so far, and now and then to a random one. It keeps every promise.
 class Sound : public SteeringAgent {
  public:
   explicit Sound(const Parameters& parameters) : SteeringAgent("sound", parameters) {}
@@ -77,7 +77,7 @@ struct JumpsTooHigh : Sound {
   Command act() override { return {Action::absolute, flight().height_max_m + 10.0}; }
 };
 
-// --- a pure function of what it is told ---
+// --- a pure function of the calls ---
 
 struct CountsAllFlights : Sound {
   using Sound::Sound;
@@ -157,7 +157,7 @@ struct RefusesItself : Sound {
   void restore(const StateReader& reader) override { reader.refuse("it is not mine"); }
 };
 
-/// Keeps nothing, and has a state of its own making.
+/// Has no memory, and a state that is not made by StateWriter.
 struct OwnState : Agent {
   explicit OwnState(const Parameters& /*parameters*/) {}
   void begin(const FlightInfo& /*flight*/) override {}
@@ -181,7 +181,7 @@ struct HasNoState : OwnState {
   void restore_state(std::string_view /*bytes*/) override {}
 };
 
-// --- what it is told, by whom it is flown, and where ---
+// --- reports, pilots and worlds ---
 
 struct TakesTheFuture : Sound {
   using Sound::Sound;
@@ -240,7 +240,7 @@ struct NeedsQuality : Sound {
   }
 };
 
-/// What the kit says about an agent of this class.
+/// The problems that the kit finds in an agent of this class.
 template <class Tested>
 std::vector<std::string> problems_of(const char* type, bool unconstrained = false) {
   register_agent({.name = type,
@@ -250,7 +250,7 @@ std::vector<std::string> problems_of(const char* type, bool unconstrained = fals
   return conformance_problems(type);
 }
 
-/// The kit finds a problem, names the agent, and says nothing but this about it.
+/// The kit must report problems, and each must have the agent's name and `what` in it.
 template <class Broken>
 void check_named(const char* type, const char* what, bool unconstrained = false) {
   const std::vector<std::string> problems = problems_of<Broken>(type, unconstrained);
@@ -276,7 +276,7 @@ TEST_CASE("commands that are not allowed are named") {
   check_named<JumpsTooHigh>("jumps-too-high", "m for step 1: the limits are 40 to ", true);
 }
 
-TEST_CASE("an agent that is more than its flight is named") {
+TEST_CASE("an agent that carries memory or settings from flight to flight is named") {
   check_named<CountsAllFlights>("counts-all-flights", "the same flight again commands");
   check_named<ForgetsToReset>("forgets-to-reset", "begin() must reset all that the agent remembers");
   check_named<ResetsAtTheEnd>("resets-at-the-end", "begin() must reset all that the agent remembers");
@@ -284,7 +284,7 @@ TEST_CASE("an agent that is more than its flight is named") {
   check_named<KeepsTheFirstKind>("keeps-the-first-kind", "a flight after one with the other kind of quality is not");
 }
 
-TEST_CASE("memory that save() or restore() leaves out is named, and which of them it is") {
+TEST_CASE("memory that save() or restore() leaves out is reported, with the function at fault") {
   check_named<NoSaveNoRestore>("no-save-no-restore", "is save() missing, or a member in it?");
   check_named<SavesHalf>("saves-half", "is save() missing, or a member in it?");
   check_named<NoRestore>("no-restore", "is restore() missing, or a member in it?");
@@ -292,13 +292,13 @@ TEST_CASE("memory that save() or restore() leaves out is named, and which of the
   check_named<RefusesItself>("refuses-itself", "it is not mine");
 }
 
-TEST_CASE("a state that is damaged and accepted is named") {
+TEST_CASE("an agent that accepts a damaged state is named") {
   check_named<AcceptsDamage>("accepts-damage", "it must throw IntegrityError");
   check_named<ThrowsAnything>("throws-anything", "instead of an IntegrityError");
   check_named<HasNoState>("has-no-state", "restore_state() accepts an empty state");
 }
 
-TEST_CASE("an agent that fails in a flight it must be able to fly is named, and the flight") {
+TEST_CASE("an agent that fails in a legal flight is named, together with the flight") {
   check_named<TakesTheFuture>("takes-the-future", "foresee() takes what an agent without the privilege may not see");
   check_named<FliesAlone>("flies-alone", "throws \"I did not command this\"");
   check_named<KnowsOneKind>("knows-one-kind", "throws \"what is a kbit?\"");
@@ -309,7 +309,7 @@ TEST_CASE("an agent that fails in a flight it must be able to fly is named, and 
   check_named<NeedsQuality>("needs-quality", "a world without any quality: throws \"no quality\"");
 }
 
-TEST_CASE("the kit sees when an agent knows more than it measures, or more than the next step") {
+TEST_CASE("the kit detects knowledge of unmeasured quality, and of steps beyond the next") {
   CHECK_FALSE(depends_on_unmeasured(spec("sound")));
   CHECK(depends_on_unmeasured(spec("one-step-ahead")));
   CHECK(depends_on_unmeasured(spec("optimal-height")));

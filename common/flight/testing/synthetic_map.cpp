@@ -65,7 +65,7 @@ world::Position SyntheticMap::advance(std::uint32_t point, world::Position from,
 }
 
 const std::vector<radio::Reading>& SyntheticMap::column(std::uint32_t point, world::Position position) {
-  // Beside the straight line the UAV is served as at the next point: enough to notice where it really is.
+  // Beside the straight line the UAV reads the next point's column, so that tests can see where it is.
   const bool beside = std::fabs(position.y_m) > 5.0;
   return columns_.at(beside ? (point + 1) % columns_.size() : point);
 }

@@ -7,7 +7,7 @@
 
 namespace aloft::flight {
 
-/// A signal map whose quality is written down by hand: for tests of flights and agents without any radio.
+/// A signal map with given qualities, for tests of flights and agents without a radio model.
 ///
 /// Like a generated world, point 0 is never scored (result_point(j) = j); with QosKind::throughput it is like a
 /// measured flight (result_point(j) = j - 1). Readings have a SINR that follows from the quality and 5 neighbours below
@@ -20,7 +20,8 @@ class SyntheticMap final : public radio::SignalMap {
   /// Smooth random hills over heights and points, a pure function of the seed: 10 m steps from 40 m.
   static SyntheticMap random(radio::QosKind kind, std::uint32_t steps, std::uint32_t levels, std::uint64_t seed);
 
-  /// The UAV swerves by 10 m to the side of an even or odd serving cell: a route that depends on the flight.
+  /// Makes the route depend on the flight: at each point the UAV swerves by 10 m, to one side if the serving cell is
+  /// even, to the other if it is odd.
   void follow_serving_cell() noexcept { follow_serving_cell_ = true; }
   [[nodiscard]] const std::vector<std::vector<double>>& qos() const noexcept { return qos_; }
   void set_qos(std::uint32_t point, std::uint32_t index, double value);

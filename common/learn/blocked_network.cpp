@@ -55,13 +55,13 @@ void BlockedNetwork::build_layers() {
     layer.outputs = static_cast<int>(shape.outputs);
     layer.blocks = static_cast<int>(rows / lanes);
     layer.activation = shape.activation;
-    // In one piece: separate large allocations would all start at the same offset in a page, and every store to one
-    // array would hold up the load from the next (4K aliasing).
+    // One allocation for all three: separate large allocations start at the same offset in a page, and each store to
+    // one array would delay the load from the next (4K aliasing).
     layer.weights = allocate(3 * parameters);
     layer.first_moments = layer.weights + parameters;
     layer.second_moments = layer.first_moments + parameters;
     layer.input = allocate(rows * lanes);
-    std::fill_n(layer.input + shape.inputs * lanes, lanes, 1.0F);  // what the bias multiplies
+    std::fill_n(layer.input + shape.inputs * lanes, lanes, 1.0F);  // the constant input of the bias
     layer.input_by_sample = allocate(rows * lanes);
     layer.alive = alive_.back().data();
     for (std::size_t i = 0; i <= shape.inputs; ++i) layer.alive[i / lanes] |= 1U << (i % lanes);

@@ -13,7 +13,7 @@ constexpr unsigned whole_block = (1U << lanes) - 1;
 
 // --- tiles ---------------------------------------------------------------------------------------------------------
 
-/// A number that the compiler knows.
+/// A size that is known at compile time.
 template <int N>
 struct Size {};
 
@@ -26,8 +26,8 @@ inline void run_tile(int size, int first, const Run& run) {
   run(Size<N>{}, first);
 }
 
-/// Splits 0 .. total - 1 into tiles of at most `most`, as equal as can be: the sums of a small one would wait for each
-/// other. What `run` calls must not be inlined into it: it would read its arguments again and again.
+/// Splits 0 .. total - 1 into tiles of at most `most`, as equal as possible: a small tile has too few independent sums
+/// to hide their latency. Functions that `run` calls must not be inlined, or they reload their arguments in every loop.
 template <int most, typename Run>
 inline void in_equal_tiles(int total, const Run& run) {
   int tiles = (total + most - 1) / most;
@@ -158,7 +158,7 @@ void forward_layer(const KernelLayer& layer, float* to) {
 
 /// Applies ReLU to the inputs of `layer` and marks those that are not zero in the whole batch.
 void hidden_activation(KernelLayer& layer, Activation activation) {
-  if (activation != Activation::relu) return;  // all alive, as they were made
+  if (activation != Activation::relu) return;  // every unit is marked alive at construction
   for (int block = 0; block < layer.blocks; ++block) {
     float* const rows = layer.input + block * lanes * lanes;
     const int units = layer.inputs - block * lanes < lanes ? layer.inputs - block * lanes : lanes;
@@ -186,8 +186,8 @@ void forward(KernelNetwork& network) {
 
 // --- backward ---------------------------------------------------------------------------------------------------
 
-/// Deltas of B blocks of the layer below: each weight is used for S samples at a time, all 16 in turn, because loads
-/// limit this part. Result: `to` [B blocks][16 samples][16 inputs].
+/// Deltas of B blocks of the layer below. Loads limit this part, so each loaded weight is used for S samples, until all
+/// 16 are done. Result: `to` [B blocks][16 samples][16 inputs].
 template <int B, int S>
 void delta_tile(const KernelLayer& layer, int block, const int* order, int count, const float* delta, float* to) {
   const float* const weights = layer.weights + block * layer.outputs * lanes;
@@ -241,14 +241,14 @@ void delta_layer(const KernelLayer& layer, Activation below, const int* order, i
 
 // --- weight gradient and Adam -------------------------------------------------------------------------------------
 
-/// Passed by value: the compiler must know that no store changes it.
+/// The settings of a step. Passed by value, so that the compiler knows that no store changes them.
 struct Adam {
   V beta1, beta2, epsilon, step_size;
 };
 
-/// 1 / x for normal x > 0, relative error 1e-7. Integer arithmetic on the exponent gives 12 %, each of two cubic Newton
-/// steps the third power of the error. The divider is what limits Adam; this leaves only the square root to it, and
-/// unlike the hardware's estimates it is the same on every CPU.
+/// 1 / x for normal x > 0, relative error 1e-7. Integer arithmetic on the exponent starts with an error of 12 %; each
+/// of two third-order Newton steps cubes it. Adam is limited by the divider, which is left to the square root here; and
+/// unlike the hardware's estimates the result is the same on every CPU.
 inline V reciprocal(V x) {
   const V one = V::of(1.0F);
   V r = reciprocal_guess(x);
@@ -258,7 +258,7 @@ inline V reciprocal(V x) {
   return fma(r, fma(e, e, e), r);
 }
 
-/// The first half of an Adam step on a block of weights: both moments. Returns the root of the second.
+/// The first half of an Adam step on a block of weights: updates both moments. Returns the root of the second one.
 inline V step_moments(float* weights, long moments, V g, Adam adam) {
   float* const first = weights + moments;
   float* const second = first + moments;
@@ -269,7 +269,7 @@ inline V step_moments(float* weights, long moments, V g, Adam adam) {
   return root(v);
 }
 
-/// The second half: the weights.
+/// The second half of an Adam step: updates the weights.
 inline void step_weights(float* weights, long moments, V root_of_second, Adam adam) {
   const V r = reciprocal(add(root_of_second, adam.epsilon));
   const V m = V::load(weights + moments);
@@ -312,8 +312,8 @@ inline Row<B> gradients_of(const GradientTile& tile, int k, Before before) {
   return sums;
 }
 
-/// Two outputs on their way through Adam: each waits for the next one's gradients, so that no instruction waits long
-/// within the CPU's reach, and square roots keep the divider busy while the multipliers work.
+/// Two outputs in different stages of their Adam step, interleaved with the gradients of the next output: independent
+/// instructions are close together, and square roots run in the divider while the multipliers compute gradients.
 template <int B>
 struct Pipeline {
   Row<B> gradients;  ///< of the last output
@@ -327,7 +327,7 @@ struct Pipeline {
   }
 };
 
-/// Some outputs that have S samples at most. No branch depends on the samples.
+/// Treats a group of outputs with at most S samples each. No branch depends on the samples.
 template <int B, int S>
 Pipeline<B> gradient_group(GradientTile tile, const int* next, const int* end, Pipeline<B> pipeline) {
   for (; next != end; ++next) {
@@ -350,14 +350,14 @@ Pipeline<B> gradient_group(GradientTile tile, const int* next, const int* end, P
   return pipeline;
 }
 
-/// A layer's outputs by their number of samples. Treated from the last group, with the most samples, to the first.
+/// A layer's outputs, grouped by their number of samples. The last group, with the most samples, is treated first.
 struct GradientList {
   const int* members;  ///< of the groups, each with room for all outputs: places in the order
   int outputs;
   int count[gradient_groups];
 };
 
-/// The gradients of the output that is treated in this place.
+/// The gradients of the `place`-th output to be treated.
 template <int B>
 Row<B> gradients_in_place(const GradientTile& tile, const GradientList& list, int place) {
   int group = gradient_groups - 1;
@@ -370,7 +370,7 @@ Row<B> gradients_in_place(const GradientTile& tile, const GradientList& list, in
   return gradients;
 }
 
-/// From group G downwards, but for the first `done` outputs.
+/// Treats the groups from G downwards, without the first `done` outputs.
 template <int B, int G>
 Pipeline<B> gradient_groups_from(const GradientTile& tile, const GradientList& list, int done, Pipeline<B> pipeline) {
   const int skipped = done < list.count[G] ? done : list.count[G];
@@ -418,7 +418,7 @@ void gradient_layer(const KernelNetwork& network, const KernelLayer& layer, cons
   });
 }
 
-/// For each set of 8 samples: those in it, then the others, a byte each.
+/// For each subset of 8 samples: its members, then the other samples, one byte each.
 struct SampleOrders {
   unsigned long of_set[256];
 
@@ -426,7 +426,7 @@ struct SampleOrders {
     for (unsigned set = 0; set < 256; ++set) {
       int shift = 0;
       for (unsigned i = 0; i < 16; ++i) {
-        if ((set >> i % 8 & 1U) == i / 8) continue;  // the set's come first
+        if ((set >> i % 8 & 1U) == i / 8) continue;  // members first
         of_set[set] |= static_cast<unsigned long>(i % 8) << shift;
         shift += 8;
       }
@@ -439,7 +439,7 @@ inline void list_samples(unsigned set, unsigned char* to) {
   const unsigned long low = sample_orders.of_set[set & 0xFFU];
   const unsigned long high = sample_orders.of_set[set >> 8] + 0x0808080808080808UL;
   __builtin_memcpy(to, &low, sizeof low);
-  __builtin_memcpy(to + 8, &low, sizeof low);  // its others end up here
+  __builtin_memcpy(to + 8, &low, sizeof low);  // its other samples end up here
   __builtin_memcpy(to + __builtin_popcount(set & 0xFFU), &high, sizeof high);
 }
 
@@ -461,7 +461,7 @@ GradientList list_gradients(const KernelNetwork& network, int outputs, int count
 }
 
 /// The order (offsets of rows) in which a layer's outputs are treated: those with a delta (the alive units of the layer
-/// above's input), then the others; returns how many have one. All of the output layer's have.
+/// above's input), then the others; returns how many have one. In the output layer all have one.
 int order_outputs(const KernelLayer& layer, const KernelLayer* above, int* order) {
   int n = 0;
   int with_delta = 0;

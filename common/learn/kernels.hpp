@@ -1,8 +1,8 @@
 #pragma once
 
 // The boundary between the network classes and the kernels. The kernels' translation units are compiled for one
-// instruction set each, so this header must stay free of library headers: the linker could otherwise pick code of
-// theirs for a CPU that cannot run it.
+// instruction set each, so this header must stay free of library headers: of an inline function that several units
+// have, the linker could keep the copy that this CPU cannot run.
 
 namespace aloft::learn {
 
@@ -17,7 +17,7 @@ enum class Loss : int {
 };
 
 /// Outputs are grouped by how many samples have a delta: none, 1 to 4, .. 13 to 16. Each group has code of its own;
-/// with more of them the CPU's caches for decoded instructions run over.
+/// more groups would exceed the CPU's cache of decoded instructions.
 inline constexpr int samples_per_group = 4;
 inline constexpr int gradient_groups = batch_lanes / samples_per_group + 1;
 
@@ -28,8 +28,8 @@ struct KernelLayer {
   int blocks;  ///< of 16 inputs, the constant one included
   Activation activation;
   float* weights;          ///< [block][output][16 inputs]; zero beyond the bias
-  float* first_moments;    ///< same layout, scaled (see AdamSettings); behind the weights in the same piece of memory
-  float* second_moments;   ///< same layout, scaled; as far behind the first moments
+  float* first_moments;    ///< same layout, scaled (see AdamSettings); in the same allocation, after the weights
+  float* second_moments;   ///< same layout, scaled; at the same distance after the first moments
   float* input;            ///< [16 * blocks][16 samples]: inputs, a row of ones, zeros
   float* input_by_sample;  ///< [16 samples][16 * blocks]
   unsigned* alive;         ///< [block]: bit i for input i of the block, unless it is zero in the whole batch
@@ -59,7 +59,7 @@ struct KernelTraining {
   float epsilon;  ///< scaled
 };
 
-/// What every instruction set offers.
+/// The functions that are compiled for each instruction set.
 struct Kernels {
   /// From layers[0].input and its alive bits to output. Rows of later layers' inputs and their alive bits are filled.
   void (*forward)(KernelNetwork& network);

@@ -1,4 +1,4 @@
-// The training kernels for AVX2 with FMA. Compiled with flags of its own; free of library headers (see kernels.hpp).
+// The training kernels for AVX2 with FMA. It has its own compiler flags and no library headers: see kernels.hpp.
 
 #include <immintrin.h>
 

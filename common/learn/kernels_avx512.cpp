@@ -1,4 +1,4 @@
-// The training kernels for AVX-512F. Compiled with flags of its own; free of library headers (see kernels.hpp).
+// The training kernels for AVX-512F. This file has its own compiler flags and no library headers (see kernels.hpp).
 
 #include <immintrin.h>
 
@@ -89,7 +89,7 @@ inline void transpose(const float* from, int from_stride, float* to, int to_stri
     a[i + 3] = _mm512_shuffle_ps(b[i + 1], b[i + 3], 0xEE);
   }
 #pragma GCC unroll 4
-  for (int c = 0; c < 4; ++c) {  // then the 4 x 4 blocks themselves
+  for (int c = 0; c < 4; ++c) {  // then transposes the 4 x 4 arrangement of blocks
     const __m512 even_top = _mm512_shuffle_f32x4(a[c], a[4 + c], 0x88);
     const __m512 odd_top = _mm512_shuffle_f32x4(a[c], a[4 + c], 0xDD);
     const __m512 even_bottom = _mm512_shuffle_f32x4(a[8 + c], a[12 + c], 0x88);

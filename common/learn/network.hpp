@@ -11,7 +11,7 @@
 
 namespace aloft::learn {
 
-/// Everything a network's future depends on. Layout: per layer [output][inputs + 1], the bias last.
+/// The complete state of a network and its optimiser. Layout: per layer [output][inputs + 1], the bias last.
 struct NetworkState {
   std::vector<float> weights;
   std::vector<float> first_moments;   ///< scaled, see AdamSettings
@@ -19,7 +19,7 @@ struct NetworkState {
   std::uint64_t steps = 0;            ///< gradient steps so far
 };
 
-/// Glorot-uniform weights in the order of the layout, zero biases and moments (Keras' defaults).
+/// Glorot-uniform weights (Glorot and Bengio 2010) in the order of the layout, zero biases and moments, as Keras.
 [[nodiscard]] NetworkState initial_state(const NetworkShape& shape, RandomStream& random);
 
 /// Samples to fit, at most batch_lanes of them.
@@ -37,13 +37,12 @@ class Network {
 
   [[nodiscard]] virtual const NetworkShape& shape() const noexcept = 0;
   [[nodiscard]] virtual NetworkState state() const = 0;
-  /// Sizes must fit the shape (std::logic_error); empty moments mean zeros.
+  /// Throws std::logic_error if sizes do not fit the shape. Empty moments mean zeros.
   virtual void load(const NetworkState& state) = 0;
 
   /// `inputs` [sample][input] for any number of samples -> `outputs` [sample][output].
   virtual void predict(std::span<const float> inputs, std::span<float> outputs) = 0;
-  /// `epochs` >= 1 steps of Adam on the same minibatch; returns the loss before the last of them. Denormals are
-  /// flushed.
+  /// `epochs` >= 1 steps of Adam on the same minibatch; returns the loss before the last step. Flushes denormals.
   virtual double train(const Minibatch& minibatch, Loss loss, std::size_t epochs) = 0;
 };
 
@@ -51,11 +50,11 @@ class Network {
 enum class Path { portable, avx2, avx512 };
 
 [[nodiscard]] std::string_view path_name(Path path) noexcept;
-/// What this CPU can run, slowest first; the portable path is always there.
+/// The paths that this CPU can run, slowest first; the portable one is always among them.
 [[nodiscard]] std::vector<Path> available_paths();
 
-/// A network with zero weights on the given path, or the fastest of this CPU. std::logic_error if the path is not
-/// available.
+/// A network with zero weights on the given path, by default the fastest one of this CPU. Throws std::logic_error if
+/// the CPU cannot run the path.
 [[nodiscard]] std::unique_ptr<Network> make_network(const NetworkShape& shape, const AdamSettings& adam);
 [[nodiscard]] std::unique_ptr<Network> make_network(const NetworkShape& shape, const AdamSettings& adam, Path path);
 

@@ -70,7 +70,7 @@ TEST_CASE("every path fits a minibatch, and saving and loading changes nothing")
   }
 }
 
-TEST_CASE("a sample's prediction does not depend on its neighbours") {
+TEST_CASE("a sample's prediction does not depend on the other samples of its batch") {
   const NetworkShape shape = dqn_shape(18, 40, 3);
   const Minibatch batch = random_minibatch(shape, 13, Loss::mse, "predict");
   for (const Path path : available_paths()) {

@@ -69,9 +69,9 @@ void check_training(Path path) {
         const double loss_value = network->train(batch, loss, epochs);
         CHECK(loss_value == Approx(expected_loss).epsilon(1e-3).margin(1e-6));
         const Difference off = difference(network->state().weights, reference.weights());
-        // Weights move by 1e-3 per step. Adam divides by the size of a gradient, so single precision drifts apart
-        // where one is almost zero: after 200 steps single weights may be off but not the mass of them, and only
-        // networks of the published size have a mass.
+        // Weights move by 1e-3 per step. Adam divides by the size of a gradient, so single precision drifts where a
+        // gradient is almost zero: after 200 steps a few weights can be off, but not their root mean square. Only
+        // networks of the published size have enough weights for that mean.
         if (upto <= 10) CHECK(off.largest < 1e-5);
         if (upto <= 10 || shape == dqn_shape(38) || shape == dqn_shape(18)) CHECK(off.root_mean_square < 1e-5);
       }
@@ -79,12 +79,12 @@ void check_training(Path path) {
   }
 }
 
-/// Units that are dead for all samples learn nothing, whatever was trained before.
+/// Units that are zero for all samples learn nothing, whatever was trained before.
 void check_dead_units(Path path) {
   const NetworkShape shape = dqn_shape(18);
   const Minibatch batch = random_minibatch(shape, 16, Loss::mse, "dead");
   NetworkState dead = random_state(shape);
-  const std::size_t first_layer = (18 + 1) * 19;  // linear; the units above it are all shut by their biases
+  const std::size_t first_layer = (18 + 1) * 19;  // linear; biases keep all units above it at zero
   for (std::size_t o = 0; o < 200; ++o) dead.weights[first_layer + o * 20 + 19] = -1e3F;
   ReferenceNetwork<double> reference(shape, {});
   reference.load(std::vector<double>(dead.weights.begin(), dead.weights.end()), {}, {}, 0);
@@ -101,7 +101,7 @@ void check_dead_units(Path path) {
   CHECK(dead.weights != after.weights);
 }
 
-/// Over its whole range.
+/// Compares softplus with double precision over its whole range.
 void check_softplus(Path path) {
   const NetworkShape shape{{{1, 1, Activation::softplus}}};
   const auto network = make_network(shape, {}, path);

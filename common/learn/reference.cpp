@@ -131,7 +131,7 @@ Scalar ReferenceNetwork<Scalar>::output_delta(const Minibatch& minibatch, Loss l
       const Scalar p = labelled / sum;
       const bool inside = p >= clip && p <= 1 - clip;
       value -= std::log(inside ? p : (p > clip ? 1 - clip : clip)) * per_sample;
-      // Outside the clip the gradient is zero, as that of Keras' clip is.
+      // Where Keras clips the probability, its gradient is zero.
       if (inside) delta_.col(s).array() = (Scalar(1) / sum - targets.col(s).array() / labelled) * per_sample;
     }
   }

@@ -8,8 +8,8 @@
 
 namespace aloft::learn {
 
-/// The network written down plainly with Eigen: the portable path in float, and what everything else is tested against,
-/// in float and double. Activations are [unit][sample] with a last row of ones that the bias multiplies.
+/// A direct implementation of the network with Eigen: in float the portable path, in double what all paths are tested
+/// against. Activations are [unit][sample] with a last row of ones that the bias multiplies.
 template <typename Scalar>
 class ReferenceNetwork {
  public:
@@ -42,7 +42,7 @@ class ReferenceNetwork {
   [[nodiscard]] std::vector<Scalar> flat(Matrix Layer::*member) const;
   void fill(Matrix Layer::*member, std::span<const Scalar> values);
   void forward(const Matrix& inputs);
-  /// The loss, and its derivative by the output layer's sums in delta_.
+  /// Returns the loss, and leaves its derivative with respect to the output layer's sums in delta_.
   Scalar output_delta(const Minibatch& minibatch, Loss loss);
   void backward();
 

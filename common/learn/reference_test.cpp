@@ -87,7 +87,7 @@ TEST_CASE("cross-entropy normalises the outputs as the published code does") {
   CHECK(network.gradient(batch, Loss::cross_entropy, gradient) == Approx(std::log(2.0)).epsilon(1e-15));
   CHECK(gradient == std::vector<double>{0.75, 0.25, -0.75, -0.25, 0.75, 0.25});
 
-  // A label of probability below 1e-7 is clipped: finite loss, no gradient.
+  // A label's probability below 1e-7 is clipped: the loss is finite, the gradient zero.
   network.load(std::vector<double>{0, 1, 0, 1e-9, 0, 1}, {}, {}, 0);
   CHECK(network.gradient(batch, Loss::cross_entropy, gradient) == Approx(-std::log(1e-7)).epsilon(1e-12));
   CHECK(gradient == std::vector<double>(6, 0.0));

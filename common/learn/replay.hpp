@@ -8,7 +8,7 @@
 
 namespace aloft::learn {
 
-/// One remembered transition; what an agent learns from.
+/// One step of a flight that an agent learns from.
 struct Transition {
   std::vector<float> state;
   std::uint32_t action = 0;
@@ -17,7 +17,7 @@ struct Transition {
   bool terminal = false;
 };
 
-/// A ring of the latest transitions.
+/// Experience replay (Lin 1992; Mnih et al. 2015): a ring buffer of the latest transitions.
 class ReplayMemory {
  public:
   explicit ReplayMemory(std::size_t capacity) : capacity_(capacity) {}
@@ -31,7 +31,7 @@ class ReplayMemory {
 
   [[nodiscard]] std::size_t size() const noexcept { return slots_.size(); }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
-  /// In the order of storage, which sampling depends on; next_slot() is overwritten next.
+  /// The transitions in the order of storage, on which sampling depends. The slot next_slot() is overwritten next.
   [[nodiscard]] std::span<const Transition> slots() const noexcept { return slots_; }
   [[nodiscard]] std::size_t next_slot() const noexcept { return next_; }
   /// Puts back what slots() and next_slot() gave.

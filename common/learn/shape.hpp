@@ -18,7 +18,7 @@ struct LayerShape {
   friend bool operator==(const LayerShape&, const LayerShape&) = default;
 };
 
-/// Rows of a layer are counted in `int` by the kernels.
+/// The kernels count the rows of a layer in `int`.
 inline constexpr std::size_t max_layer_width = 4'096;
 
 /// A feed-forward network. Hidden layers are linear or ReLU, the output layer linear or softplus.
@@ -34,12 +34,13 @@ struct NetworkShape {
   void check() const;
 };
 
-/// The paper's network: a linear layer as wide as the input + 1, `hidden_layers` x `hidden_width` ReLU, `actions`
-/// softplus outputs.
+/// The network of the paper's DQN: a linear layer as wide as the input + 1, `hidden_layers` x `hidden_width` ReLU,
+/// `actions` softplus outputs.
 [[nodiscard]] NetworkShape dqn_shape(std::size_t inputs, std::size_t hidden_width = 200, std::size_t hidden_layers = 3,
                                      std::size_t actions = 3);
 
-/// Adam as Keras has it (Kingma and Ba 2015, "epsilon hat"): w -= lr sqrt(1-b2^t)/(1-b1^t) m / (sqrt(v) + eps).
+/// Adam as Keras has it (Kingma and Ba 2015, section 2, "epsilon hat"): w -= lr sqrt(1-b2^t)/(1-b1^t) m
+/// / (sqrt(v) + eps).
 struct AdamSettings {
   double learning_rate = 1e-3;
   double beta1 = 0.9;

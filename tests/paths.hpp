@@ -8,7 +8,7 @@ namespace aloft::test {
 /// then serves checkouts anywhere.
 [[nodiscard]] std::filesystem::path source_dir();
 
-/// Where the programs of this build are.
+/// The folder of this build's programs.
 [[nodiscard]] std::filesystem::path bin_dir();
 
 }  // namespace aloft::test

@@ -17,7 +17,7 @@ void aloft::test::skip(const std::string& reason) {
 }
 
 int main(int argc, char** argv) {
-  // Catch2 returns how many checks failed, which may be 77 as well.
+  // Catch2 returns the number of failed checks, which can be 77 as well.
   if (Catch::Session().run(argc, argv) != 0) return 1;
   return skipped ? skipped_code : 0;
 }

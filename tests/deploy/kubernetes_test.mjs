@@ -19,7 +19,7 @@ for (const {apiVersion, kind} of objects) {
 const validate = object => new models[object.kind](object).validate();
 for (const object of objects) validate(object);
 
-// The schemas do find mistakes.
+// A wrong type and a missing field must be found, or the check above proves nothing.
 const broken = structuredClone(objects.find(object => object.kind === 'StatefulSet'));
 broken.spec.template.spec.containers[0].resources.limits.memory = {much: true};
 assert.throws(() => validate(broken));
@@ -50,7 +50,7 @@ const port = metrics.ports[0].containerPort;
 assert.ok(metrics.args.includes(`--http-port=${port}`));
 for (const probe of ['startupProbe', 'livenessProbe', 'readinessProbe']) assert.equal(metrics[probe].httpGet.path, '/healthz');
 
-// Everyone names the same run and the same port of the discovery server.
+// All containers name the same run and the same port of the discovery server.
 const values = flag => new Set(containers.flatMap(container => container.args.filter(text => text.startsWith(flag)))
   .map(text => text.replace(/^.*[=:]/, '')));
 assert.equal(values('--discovery-server').size, 1);

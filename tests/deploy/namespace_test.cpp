@@ -1,4 +1,4 @@
-// A run over two hosts, played by two network namespaces with a cable between them. Needs root.
+// A run over two hosts: two network namespaces with a cable between them. Needs root.
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
@@ -77,7 +77,7 @@ void fly_through_partition(std::chrono::milliseconds partition, int trials, cons
 
   hosts.cut();
   if (partition >= 5s) {
-    // Named on both sides.
+    // Both sides report the missing peer.
     CHECK(comes_true(
         [&] { return run.log("aloft-coordinator").find("worker far has been silent") != std::string::npos; }, 5s));
     CHECK(comes_true([&] { return far->error_so_far().find("no coordinator of run") != std::string::npos; }, 5s));
@@ -107,7 +107,7 @@ TEST_CASE("multicast joins two hosts on one network", "[needs-namespaces]") {
   if (may_make_namespaces()) fly_through_partition(0s, 60, {"--interface", "cable"}, {"--interface", "cable"});
 }
 
-TEST_CASE("a partition of 5 s and of 30 s is named on both sides, and heals", "[.][soak][needs-namespaces]") {
+TEST_CASE("after a partition of 5 s or 30 s, which both sides report, the run goes on", "[.][soak][needs-namespaces]") {
   if (!may_make_namespaces()) return;
   fly_through_partition(5s, 150, server_a, server_b);
   fly_through_partition(30s, 500, server_a, server_b);

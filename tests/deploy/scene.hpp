@@ -17,12 +17,12 @@ class SpreadRun {
   /// `trials` of 2 conditions with a learning and two other agents: about 0.2 s of one core each.
   explicit SpreadRun(int trials);
 
-  /// Flown in process: what every digest must be.
+  /// The digest of the flights in process, which all others must equal.
   [[nodiscard]] const std::string& expected_digest();
   [[nodiscard]] std::string digest() const;
   [[nodiscard]] std::string flights_stored() const;
 
-  /// `more` comes last; `prefix` before the program, e.g. {"/usr/sbin/ip", "netns", "exec", "a"}.
+  /// `prefix` stands before the program, e.g. {"/usr/sbin/ip", "netns", "exec", "a"}, and `more` after its arguments.
   std::unique_ptr<Command> start(const std::string& command, std::vector<std::string> more = {},
                                  std::vector<std::string> prefix = {}) const;
   std::unique_ptr<Command> coordinator(const std::vector<std::string>& more = {}) const;

@@ -1,4 +1,4 @@
-// What the systemd units rely on: the processes tell the manager that they are ready, alive and stopping.
+// The systemd units rely on this: processes report to the service manager that they are ready, alive and stopping.
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -32,7 +32,7 @@ class Manager {
   Manager(const Manager&) = delete;
   Manager& operator=(const Manager&) = delete;
 
-  /// Everything that was said so far, one line each.
+  /// All notifications so far, one per line.
   const std::string& heard() {
     std::array<char, 512> buffer{};
     for (ssize_t size = 0; (size = recv(socket_, buffer.data(), buffer.size(), 0)) > 0;)
@@ -70,19 +70,19 @@ TEST_CASE("coordinator, metrics and worker keep the service manager informed; a 
     CHECK(comes_true([&] { return managers[i]->count("READY=1") == 1 && managers[i]->count("WATCHDOG=1") > 3; }, 20s));
   }
   processes[0]->send(SIGSTOP);
-  std::this_thread::sleep_for(100ms);  // what it was just saying
+  std::this_thread::sleep_for(100ms);  // a notification can still be on its way
   const std::size_t before = managers[0]->count("WATCHDOG=1");
   std::this_thread::sleep_for(1s);
   CHECK(managers[0]->count("WATCHDOG=1") == before);
   processes[0]->send(SIGCONT);
   for (const std::size_t i : {2U, 0U, 1U}) {
     INFO(programs[i]);
-    CHECK(managers[i]->count("READY=1") == 1);  // reads what has come: a full socket would refuse more
+    CHECK(managers[i]->count("READY=1") == 1);  // reads the socket, which would refuse more when full
     processes[i]->send(SIGTERM);
     CHECK(comes_true([&] { return managers[i]->count("STOPPING=1") == 1 && !processes[i]->running(); }, 30s));
     CHECK(processes[i]->wait(15s).exit_code == 130);
     CHECK(managers[i]->count("STOPPING=1") == 1);
-    CHECK(managers[i]->count("READY=1") == 1);  // its children do not speak for it
+    CHECK(managers[i]->count("READY=1") == 1);  // its children send none
   }
 }
 

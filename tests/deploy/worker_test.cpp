@@ -1,4 +1,4 @@
-// Runs that are put together from single processes: aloft coordinator, aloft metrics, aloft worker.
+// Runs that are composed of single processes: aloft coordinator, aloft metrics, aloft worker.
 #include <signal.h>
 #include <unistd.h>
 
@@ -24,8 +24,8 @@ bool has_stored_flights(const SpreadRun& run) {
   return flights.exit_code == 0 && std::count(flights.out.begin(), flights.out.end(), '\n') > 1;
 }
 
-/// Starts the processes with these gaps, and checks that flights are stored within 10 s of the last that is needed.
-/// A worker that is not needed any more follows at once: later the run could be over.
+/// Starts the processes with these gaps, and checks that flights are stored within 10 s of the last necessary start.
+/// Further workers start without a gap, because the run could be over after it.
 void start_in_order(const std::vector<std::string>& order, const std::vector<std::chrono::milliseconds>& gaps) {
   SpreadRun run(5);
   bool coordinator = false;
@@ -66,7 +66,7 @@ TEST_CASE("a worker joins late, another leaves early, and the run ends for all w
   REQUIRE(comes_true([&] { return contains(run.log("aloft-coordinator"), "worker late is here"); }, 30s));
   early->send(SIGTERM);
   CHECK(early->wait(30s).exit_code == 130);
-  // Not after the heartbeat's time-out, as if it had died.
+  // The worker has announced its end; the coordinator does not wait for the heartbeat's time-out.
   CHECK(comes_true([&] { return contains(run.log("aloft-coordinator"), "worker early has left"); }, 20s));
   CHECK_FALSE(contains(run.log("aloft-coordinator"), "worker early has been silent"));
 
@@ -79,7 +79,7 @@ TEST_CASE("a worker joins late, another leaves early, and the run ends for all w
   CHECK_THAT(read_text(run.scratch("out/summary.json")), Contains("\"trials\": 60"));
 }
 
-TEST_CASE("workers that fly only some of the agents complete each other; what nobody flies is named") {
+TEST_CASE("workers that fly only some of the agents complement each other; an agent without a worker is named") {
   SpreadRun run(4);
   const auto metrics = run.metrics();
   const auto coordinator = run.coordinator();
@@ -98,7 +98,7 @@ TEST_CASE("aloft run takes workers that join, and needs none of its own") {
   SpreadRun run(3);
   const auto main = run.start("run", {"--workers", "0"});
   REQUIRE(comes_true([&] { return contains(main->error_so_far(), "aloft worker --join " + run.name()); }, 30s));
-  // Neither can finish the run before the other is there.
+  // Neither worker can finish the run alone.
   const auto one = run.worker("one", {"--agents", "dqn,min-height"});
   const auto two = run.worker("two", {"--agents", "random-walk,min-height"});
   const Finished finished = main->wait(60s);
@@ -109,11 +109,11 @@ TEST_CASE("aloft run takes workers that join, and needs none of its own") {
   CHECK(run.digest() == run.expected_digest());
 }
 
-TEST_CASE("a discovery server that is killed is started again, and introduces whoever joins then") {
+TEST_CASE("a discovery server that is killed is started again, and introduces workers that join later") {
   SpreadRun run(4);
   const std::string server = "127.0.0.1:" + std::to_string(12000 + getpid() % 20000);
   const auto main = run.start("run", {"--workers", "0", "--discovery-server", server});
-  // Without the learner: the run cannot be over before the one who joins late is introduced.
+  // No learner yet: the run cannot end before the late worker is introduced.
   const auto early = run.worker("early", {"--agents", "min-height,random-walk", "--discovery-server", server});
   REQUIRE(comes_true([&] { return contains(run.log("aloft-coordinator"), "worker early is here"); }, 20s));
   for (const int pid : processes_with(run.name()))
@@ -146,7 +146,7 @@ TEST_CASE("the processes start in every order, with gaps up to 5 s", "[.][soak]"
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-TEST_CASE("a worker says whom it waits for, and gives up") {
+TEST_CASE("a worker names the coordinator that it waits for, and gives up") {
   const SpreadRun run(1);
   const Finished alone = run.worker("alone", {"--wait", "6"})->wait(30s);
   CHECK(alone.exit_code == 1);

@@ -1,6 +1,5 @@
-// A network that loses, repeats, overtakes and delays, for any program: preload this library, and say in
-// ALOFT_TEST_FAULTS what happens to how many of the RTPS messages that the program sends (docs/faults.md). The programs
-// know nothing of it.
+// A network that loses, duplicates, reorders and delays messages of any program: preload this library, and set
+// ALOFT_TEST_FAULTS to the percentage of RTPS messages for each fault (docs/faults.md). The programs are not changed.
 #include <arpa/inet.h>
 #include <dlfcn.h>
 #include <netinet/in.h>
@@ -32,8 +31,8 @@ using Bytes = std::vector<unsigned char>;
 
 constexpr const char* variable = "ALOFT_TEST_FAULTS";
 
-/// What may happen to a message. The first five lose it if it has at least one RTPS submessage of this kind, `any`
-/// whatever is in it; `delay` holds it back for a random time, so that others overtake it.
+/// The faults. The first five lose a message if it has at least one RTPS submessage of this kind, `any` loses it
+/// whatever it holds; `delay` holds it back for a random time, so that others overtake it.
 enum Fault : std::size_t { data, data_frag, heartbeat, acknack, gap, any, duplicate, delay };
 constexpr std::array<std::string_view, 8> names{"data", "data_frag", "heartbeat", "acknack",
                                                 "gap",  "any",       "duplicate", "delay"};
@@ -75,13 +74,13 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-/// Decides what happens to a message, and sends late ones from a socket of its own: the program's may be closed by
-/// then. Never destroyed: other threads may send until the process ends.
+/// Draws the faults of each message, and sends delayed ones from a socket of its own, because the program can close its
+/// own meanwhile. Never destroyed, because other threads can send until the process ends.
 class BadNetwork {
  public:
   explicit BadNetwork(const Faults& faults) : faults_(faults) {}
 
-  /// True if the message is not to be sent now.
+  /// True if the message must not be sent now.
   bool takes(int socket_fd, const Bytes& bytes, const sockaddr_in& to) {
     const std::lock_guard lock(mutex_);
     if (lost(bytes)) return true;
@@ -147,7 +146,7 @@ class BadNetwork {
         changed_.wait_until(lock, due);
       } else {
         const Late late = std::move(waiting_.extract(waiting_.begin()).mapped());
-        // Lost if the receiver's buffer is full, as any datagram.
+        // Like any datagram, it is lost if the receiver's buffer is full.
         setsockopt(own_socket_, IPPROTO_IP, IP_MULTICAST_IF, &late.multicast_interface, sizeof(in_addr));
         send(own_socket_, late.bytes.data(), late.bytes.size(), MSG_DONTWAIT,
              reinterpret_cast<const sockaddr*>(&late.to), sizeof late.to);
@@ -187,7 +186,7 @@ bool taken(int socket_fd, const sockaddr* to, const Bytes& bytes) {
 
 }  // namespace
 
-// What the middleware sends with.
+// The function by which the middleware sends.
 
 extern "C" ssize_t sendto(int fd, const void* buffer, size_t size, int flags, const sockaddr* to, socklen_t to_size) {
   static auto* const real = next<decltype(sendto)>("sendto");

@@ -1,4 +1,4 @@
-// A collector too many, a coordinator too many, beside whole runs as people start them.
+// A second collector or coordinator beside a whole run of `aloft run`.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -39,16 +39,16 @@ TEST_CASE("the second of two runs of one name ends at once, names the first, and
   const std::string name = own_name("same");
   std::vector<std::unique_ptr<Command>> runs;
   const std::vector<std::string> folders{"first", "second", "third"};
-  for (const std::string& folder : {folders[0], folders[1]})  // both at the same moment
+  for (const std::string& folder : {folders[0], folders[1]})  // both at the same time
     runs.push_back(scene.start(folder, {"--workers", "2", "--run", name}));
   CHECK(eventually(60s, [&] { return scene.stored(folders[0]) + scene.stored(folders[1]) > 0; }));
   const std::size_t winner = scene.stored(folders[0]) > 0 ? 0 : 1;
   Command& run = *runs[winner];
-  const auto learners = [&](int signal) {  // without them it does not end, however late the others hear it
+  const auto learners = [&](int signal) {  // the run cannot end without them
     for (const int pid : scene.services(folders[winner], run, "aloft-learning-agent")) kill(pid, signal);
   };
   learners(SIGSTOP);
-  runs.push_back(scene.start(folders[2], {"--workers", "2", "--run", name}));  // and one later
+  runs.push_back(scene.start(folders[2], {"--workers", "2", "--run", name}));  // and a third one later
   const std::string coordinator =
       fmt::format("(process {},", scene.services(folders[winner], run, "aloft-coordinator").at(0));
   for (const std::size_t loser : {1 - winner, std::size_t{2}}) {
@@ -62,14 +62,14 @@ TEST_CASE("the second of two runs of one name ends at once, names the first, and
   scene.check_finished(folders[winner], run, 120s);
 }
 
-TEST_CASE("whoever calls a run complete, aloft run counts its flights before it agrees", "[doubles]") {
+TEST_CASE("aloft run counts the stored flights itself when a coordinator reports success", "[doubles]") {
   const ScratchDir scratch;
   const fs::path bin = scratch / "bin";
   fs::create_directories(bin);
   fs::copy_file(bin_dir() / "aloft", bin / "aloft");
   for (const char* program : {"aloft-coordinator", "aloft-metrics", "aloft-environment", "aloft-channel",
                               "aloft-learning-agent", "aloft-baseline-agent"}) {
-    // A coordinator that says at once that all is well, and others that do nothing.
+    // A coordinator that reports success at once, and other programs that do nothing.
     const bool decides = std::string(program) == "aloft-coordinator";
     write_text(bin / program, decides ? "#!/bin/sh\nexit 0\n" : "#!/bin/sh\nexec sleep 60\n");
     fs::permissions(bin / program, fs::perms::owner_all);

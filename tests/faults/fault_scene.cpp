@@ -67,7 +67,7 @@ void FaultScene::wait_for_flights(const std::string& name, Command& run, int fli
 
 std::vector<int> FaultScene::services(const std::string& name, const Command& run, const std::string& part) const {
   std::vector<int> pids = processes_with(out(name).string());
-  const std::string command = command_line(run.pid());  // a leak checker's helper process has it, too
+  const std::string command = command_line(run.pid());  // a leak checker's helper process has the same one
   std::erase_if(pids, [&](int pid) {
     const std::string line = command_line(pid);
     return pid == run.pid() || pid == getpid() || line == command || line.find(part) == std::string::npos;

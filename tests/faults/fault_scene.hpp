@@ -23,8 +23,8 @@ class Variable {
   const char* name_;
 };
 
-/// One small experiment with agents of every kind, flown in process for reference, and runs of it over DDS that
-/// something happens to.
+/// One small experiment with agents of every kind, flown in process for reference, and runs of it over DDS for tests of
+/// faults.
 class FaultScene {
  public:
   /// `trials` per condition; there are two conditions and six agents, one of which remembers earlier trials.
@@ -33,24 +33,24 @@ class FaultScene {
   [[nodiscard]] std::filesystem::path out(const std::string& name) const { return scratch_ / name; }
   [[nodiscard]] std::filesystem::path experiment() const { return scratch_ / "experiment.json"; }
   [[nodiscard]] int flights() const { return 2 * 6 * trials_; }
-  /// Of the flights flown in process.
+  /// Digest of the flights in process.
   [[nodiscard]] const std::string& reference() const { return reference_; }
 
-  /// aloft run into out(name).
+  /// Starts aloft run with the result folder out(name).
   [[nodiscard]] std::vector<std::string> run_arguments(const std::string& name,
                                                        const std::vector<std::string>& options) const;
   [[nodiscard]] std::unique_ptr<Command> start(const std::string& name, const std::vector<std::string>& options) const;
   [[nodiscard]] std::string digest(const std::string& name) const;
-  /// How many flights lie in the database; 0 if there is none yet.
+  /// Number of flights in the database; 0 if there is none yet.
   [[nodiscard]] int stored(const std::string& name) const;
-  /// Until so many flights are stored or the command ends.
+  /// Waits until so many flights are stored or the command ends.
   void wait_for_flights(const std::string& name, Command& run, int flights) const;
-  /// The services of a run: all processes that work for out(name) but the one that was started, and whose command line
-  /// contains `part`.
+  /// The services of a run: all processes for out(name), other than the command itself, whose command line contains
+  /// `part`.
   [[nodiscard]] std::vector<int> services(const std::string& name, const Command& run,
                                           const std::string& part = "") const;
   [[nodiscard]] std::string log(const std::string& name, const std::string& process) const;
-  /// The run ended well and left the same bytes as in process, and no process.
+  /// Checks that the run ends with exit code 0, the same bytes as in process, and no process left.
   void check_finished(const std::string& name, Command& run, std::chrono::seconds limit) const;
 
  private:
@@ -59,7 +59,7 @@ class FaultScene {
   std::string reference_;
 };
 
-/// Of a run that no other process of this machine has.
+/// A name that no other run on this machine has.
 [[nodiscard]] std::string own_name(const std::string& what);
 /// Resident memory of a process in bytes; 0 if it is gone.
 [[nodiscard]] std::size_t resident_bytes(int pid);

@@ -1,5 +1,4 @@
-// HTTP clients that hold on to every connection while a run flies: the collector stays in reach, and the run is as
-// ever.
+// HTTP clients that occupy connections while a run flies: the collector still answers, and the run is not affected.
 #include <arpa/inet.h>
 #include <httplib.h>
 #include <sys/resource.h>
@@ -38,7 +37,7 @@ class Crowd {
   Crowd(const Crowd&) = delete;
   Crowd& operator=(const Crowd&) = delete;
 
-  /// Returns how many had been closed.
+  /// Returns how many connections had been closed.
   std::size_t push() {
     std::size_t closed = 0;
     for (std::size_t i = 0; i < connections_.size(); ++i) {
@@ -76,7 +75,7 @@ class Crowd {
   rlimit before_{};
 };
 
-/// The port stands in the collector's log.
+/// Reads the port from the collector's log.
 int port_of(const FaultScene& scene, const std::string& name) {
   std::smatch found;
   std::string log;
@@ -90,7 +89,7 @@ int port_of(const FaultScene& scene, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a thousand slow and idle HTTP clients block nobody and change nothing", "[http]") {
+TEST_CASE("a thousand slow and idle HTTP clients block no other client and no run", "[http]") {
   const FaultScene scene(12);
   const std::string run = own_name("crowd");
   const std::string out = scene.out("crowd").string();
@@ -135,6 +134,6 @@ TEST_CASE("a thousand slow and idle HTTP clients block nobody and change nothing
   CHECK(worker->wait().exit_code == 0);
   CHECK(scene.digest("crowd") == scene.reference());
   CHECK(answers > 2);
-  CHECK(dropped > 800);  // more are not kept
+  CHECK(dropped > 800);  // the server keeps no more
   CHECK(most < before + (32U << 20U));
 }

@@ -37,11 +37,11 @@ double mean(const std::vector<double>& values) {
 }  // namespace
 
 TEST_CASE("a random process of four workers is killed every 0.5 to 2 s", "[kills]") {
-  const FaultScene scene(40);  // trials: a fast machine, too, is still flying when the first process is killed
+  const FaultScene scene(40);  // trials: enough that even a fast machine still flies at the first kill
   const int seeds = effort(20, 200);
 
   std::vector<double> times_s;
-  std::vector<double> undisturbed_s;  // measured again and again: the machine has other work, too
+  std::vector<double> undisturbed_s;  // measured repeatedly, because the machine's load varies
   int kills = 0;
   for (int seed = 0; seed < seeds; ++seed) {
     auto started = Clock::now();
@@ -95,7 +95,7 @@ TEST_CASE("the command itself is killed, and the same command goes on", "[kills]
 
 namespace {
 
-/// A run whose processes are started one by one, without anybody who would start or end them.
+/// A run whose processes the test starts one by one; no supervisor restarts or ends them.
 class LooseRun {
  public:
   LooseRun(const FaultScene& scene, std::string name) : scene_(scene), name_(std::move(name)) {}
@@ -122,7 +122,7 @@ class LooseRun {
   static void send(const Group& group, int signal) {
     for (const auto& [log, process] : group) process->send(signal);
   }
-  /// They hear of the end and follow.
+  /// Checks that the processes receive the end of the run and end with exit code 0.
   void check_ends(const Group& group) const {
     INFO(scene_.log(name_, "aloft-coordinator"));
     for (const auto& [log, process] : group) {
@@ -165,8 +165,8 @@ TEST_CASE("a worker stops for longer than its lease, and comes back with late re
     return times;
   };
 
-  // First one worker stops, and the other takes over its trials; but it cannot finish the run, because the collector
-  // stands still, too. Then both workers: they come back to leases that were taken away and given to nobody.
+  // First one worker is stopped, and the other takes over its trials, but cannot finish the run, because the collector
+  // is stopped, too. Then both workers are stopped; when they continue, their leases are over and not given to others.
   int round = 0;
   const std::vector<int> eighths = soak() ? std::vector{1, 4, 6} : std::vector{1, 4};
   for (const int eighth : eighths) {
@@ -188,7 +188,7 @@ TEST_CASE("a worker stops for longer than its lease, and comes back with late re
   CHECK(scene.digest(name) == scene.reference());
 }
 
-TEST_CASE("who was lost a moment before the end of the run is told of it when it is back", "[stops]") {
+TEST_CASE("a process that is silent at the end of the run still receives the end when it continues", "[stops]") {
   const FaultScene scene;
   const std::string name = "absent";
   const LooseRun run(scene, name);
@@ -197,7 +197,7 @@ TEST_CASE("who was lost a moment before the end of the run is told of it when it
   const LooseRun::Group lost = run.worker_without_learner("w0");  // cannot finish the run alone
   scene.wait_for_flights(name, *coordinator, 1);
   LooseRun::send(lost, SIGSTOP);
-  std::this_thread::sleep_for(3s);  // all forget it
+  std::this_thread::sleep_for(3s);  // longer than the lease after which peers forget it
   const LooseRun::Group other = run.worker("w1");
   CHECK(eventually(30s, [&] {
     return scene.log(name, "aloft-coordinator").find("waits until these are back") != std::string::npos;

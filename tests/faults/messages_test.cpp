@@ -1,5 +1,5 @@
-// Messages that no process of ours would send, into a running system: dropped and counted, and the run ends with the
-// same bytes as in one process.
+// Invalid messages, which no process of Aloft sends, into a running system: they are dropped and counted, and the run
+// ends with the same bytes as in one process.
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <idl/controlPubSubTypes.h>
@@ -32,7 +32,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// The unit test has larger ones.
+// The unit test has larger samples.
 constexpr std::size_t largest_sample_bytes = 5U << 20U;
 
 /// A run with one worker and a stranger among its processes.
@@ -43,7 +43,7 @@ class Pestered {
     scene_.wait_for_flights("pestered", *run_, 1);
   }
 
-  /// Sends every kind of bad sample; those processes that the table of topics names as readers must have dropped them.
+  /// Sends every kind of bad sample, and checks that the readers in the table of topics have dropped them.
   template <class T, class Generated>
   void send() {
     Rogue<T, Generated> rogue(participant_);
@@ -51,7 +51,7 @@ class Pestered {
     const std::string topic(bus::topic_settings<T>().name);
     const std::vector<std::string> readers = readers_of(bus::topic_settings<T>());
     INFO(topic);
-    // What no process of a run reads, the test does, as a command of the operator would.
+    // Topics that no process of a run reads are read by the test, as an operator's command would.
     const bus::Participant here(place());
     std::optional<bus::Reader<T>> own;
     if (readers.empty()) own.emplace(here);
@@ -67,7 +67,7 @@ class Pestered {
       const std::string line = fmt::format("{}: dropped {} sample", topic, kind);
       return scene_.log("pestered", reader).find(line) != std::string::npos;
     };
-    // Readers of some topics keep only the latest sample: one kind after the other, and again until it was seen.
+    // Readers of some topics keep only the latest sample, so one kind is sent at a time, until it was counted.
     const auto send_until_told = [&](const char* kind, const std::function<void()>& write) {
       const bool all_told = eventually(30s, [&] {
         write();
@@ -118,7 +118,7 @@ class Pestered {
   }
 
  private:
-  /// By the names of their logs.
+  /// The processes by the names of their logs.
   static std::vector<std::string> readers_of(const bus::TopicSettings& topic) {
     using bus::Role;
     std::vector<std::string> readers;
@@ -126,19 +126,19 @@ class Pestered {
       if (topic.readers.contain(role)) readers.push_back(fmt::format("aloft-{}", to_text(role)));
     for (const Role role : {Role::environment, Role::channel, Role::learning_agent, Role::baseline_agent})
       if (topic.readers.contain(role)) readers.push_back(fmt::format("aloft-{}-w0", to_text(role)));
-    // Agents that do not learn could remember earlier flights, but none does.
+    // No agent that does not learn remembers earlier flights.
     if (topic.name == "StoredMemory") std::erase(readers, "aloft-baseline-agent-w0");
     return readers;
   }
 
-  FaultScene scene_{200};  // long enough for all of it
+  FaultScene scene_{200};  // trials: the run must last longer than the test
   std::string name_ = own_name("pestered");
   std::string experiment_id_ = store::ResultStore::open_for_reading(scene_.out("reference")).experiment().id;
   bus::Participant participant_{place()};
   std::unique_ptr<Command> run_;
 };
 
-/// Random bytes, and bytes that look like RTPS for a while.
+/// Random bytes, and datagrams that begin like RTPS messages.
 class Garbage {
  public:
   explicit Garbage(int domain) : first_port_(7400 + 250 * domain) {}

@@ -1,4 +1,4 @@
-// A network that loses, repeats, reorders and delays (bad_network.cpp): the same bytes as in one process.
+// A network that loses, duplicates, reorders and delays (bad_network.cpp): the same bytes as in one process.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -15,7 +15,7 @@ namespace {
 
 const std::string library = (bin_dir().parent_path() / "lib/libaloft_bad_network.so").string();
 
-/// How often each fault has happened, in all processes of a run, by what they say at their end.
+/// Number of times that each fault happened in all processes of a run, as they log it at their end.
 std::map<std::string, int> faults_of(const FaultScene& scene, const std::string& run) {
   const std::string mark = "messages that were damaged:";
   std::map<std::string, int> total;
@@ -45,7 +45,7 @@ std::vector<std::string> wanted(const std::string& network) {
 
 TEST_CASE("a bad network costs time, but no byte", "[network]") {
   const FaultScene scene(effort(4, 16));
-  // There are few fragments and gaps, so that every second one is lost.
+  // Fragments and gaps are rare, so half of them are lost.
   std::vector<std::string> networks{
       "data=30",      "data_frag=50",
       "heartbeat=30", "acknack=30",
@@ -70,14 +70,14 @@ TEST_CASE("a bad network costs time, but no byte", "[network]") {
   }
 }
 
-TEST_CASE("the programs as they are shipped know no bad network", "[network]") {
+TEST_CASE("the shipped programs ignore the variable for bad networks", "[network]") {
   const FaultScene scene(1);
   const Variable faults("ALOFT_TEST_FAULTS", "any=100");
   scene.check_finished("shipped", *scene.start("shipped", {"--workers", "1"}), 120s);
   CHECK(faults_of(scene, "shipped").empty());
 }
 
-TEST_CASE("a test network that makes no sense is refused", "[network]") {
+TEST_CASE("invalid settings of a bad network are refused", "[network]") {
   const FaultScene scene(1);
   for (const char* wrong : {"data", "data=", "data=101", "data=-1", "delay_ms=1e3", "losses=5", "data=5;gap=5"}) {
     INFO(wrong);

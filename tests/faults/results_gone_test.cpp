@@ -1,4 +1,4 @@
-// The result folder is deleted, moved or replaced while a run writes into it: noticed, said, and nothing is lost.
+// The result folder is deleted, moved or replaced while a run writes into it: the run reports it, and nothing is lost.
 
 #include <catch2/catch.hpp>
 #include <functional>
@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Starts the run, breaks its results in the middle, and expects it to stop. Whoever may still write is gone then.
+/// Starts the run, damages its results halfway, and checks that it stops and leaves no process that could write.
 void check_stops(const FaultScene& scene, const std::string& name, const std::vector<std::string>& options,
                  const std::function<void(const fs::path& dir)>& strike, const std::string& what) {
   INFO(name);
@@ -47,7 +47,7 @@ TEST_CASE("results that are moved, deleted or replaced under a run stop it, and 
     const std::string way = options.size() == 2 ? "dds" : "in-process";
     check_stops(
         scene, "moved-" + way, options, [&](const fs::path& dir) { fs::rename(dir, aside); }, "results.sqlite is gone");
-    CHECK_FALSE(fs::exists(scene.out("moved-" + way)));  // nobody begins a new one there
+    CHECK_FALSE(fs::exists(scene.out("moved-" + way)));  // no process makes a new folder there
     const int stored = scene.stored("aside");
     CHECK(stored >= scene.flights() / 8);
     fs::rename(aside, scene.out("moved-" + way));
@@ -67,7 +67,7 @@ TEST_CASE("results that are moved, deleted or replaced under a run stop it, and 
   CHECK(refused.exit_code == 2);
   CHECK_THAT(refused.err, Contains("has lost its results.sqlite") && Contains("Put it back, or remove the folder"));
 
-  // SQLite's log is in use as long as the run is: what is in it would be lost with the process.
+  // Without SQLite's write-ahead log, the flights in it would be lost when the process ends.
   check_stops(
       scene, "log", over_dds, [](const fs::path& dir) { fs::remove(dir / "results.sqlite-wal"); },
       "results.sqlite-wal is gone");
@@ -88,7 +88,7 @@ TEST_CASE("a collector that has nothing to store notices within seconds that its
   };
   const auto metrics = start("metrics");
   const auto coordinator = start("coordinator");
-  // By then the two have known each other for a while.
+  // By then coordinator and collector have found each other.
   CHECK(eventually(30s, [&] { return coordinator->error_so_far().find("no worker for") != std::string::npos; }));
   CHECK(eventually(30s, [&] { return fs::exists(scratch / "out" / "results.sqlite"); }));
   REQUIRE(metrics->running());

@@ -13,7 +13,7 @@
 
 namespace aloft::test {
 
-/// Writes a topic without any of the checks of bus::Writer: what a faulty or foreign program could send.
+/// Writes a topic without the checks of bus::Writer, as a faulty or foreign program could.
 template <class T, class Generated>
 class Rogue {
  public:
@@ -48,7 +48,7 @@ class Rogue {
   }
 
   void write(T sample) { writer_->write(&sample); }
-  /// These bytes in place of the sample.
+  /// Writes these bytes in place of the sample.
   void write_bytes(T key, std::vector<unsigned char> bytes) {
     type_->instead = std::move(bytes);
     write(std::move(key));

@@ -1,4 +1,4 @@
-// Two processes on the bus, of which one or both stand still for a while: they must find each other again.
+// One or both of two processes on the bus are stopped for a while: they must find each other again.
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -24,7 +24,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// `lease`: for how long the others remember this process when they do not hear it.
+/// `lease`: how long peers remember this process while it is silent.
 bus::BusOptions place(const char* process, std::chrono::milliseconds lease) {
   bus::BusOptions options;
   options.lease = lease;
@@ -105,7 +105,7 @@ class Child {
   pid_t pid_;
 };
 
-/// Counters that several processes see.
+/// Counters in memory shared by several processes.
 template <std::size_t count>
 class SharedSteps {
  public:
@@ -119,7 +119,7 @@ class SharedSteps {
   SharedSteps& operator=(const SharedSteps&) = delete;
   std::atomic<std::uint32_t>& operator[](std::size_t i) { return steps_->at(i); }
 
-  /// All make some steps.
+  /// Waits until every counter has advanced.
   bool go_on() {
     std::array<std::uint32_t, count> before{};
     for (std::size_t i = 0; i < count; ++i) before.at(i) = steps_->at(i);
@@ -136,7 +136,7 @@ class SharedSteps {
 
 }  // namespace
 
-TEST_CASE("processes that stood still find each other again", "[standstill]") {
+TEST_CASE("processes that were stopped find each other again", "[standstill]") {
   SharedSteps<1> steps;
   const Child asks([&] { ask(0, steps[0], 1s); });
   const Child answers([] { answer(1s); });
@@ -147,8 +147,8 @@ TEST_CASE("processes that stood still find each other again", "[standstill]") {
     const bool second = round % 3 != 0;
     const auto time = std::chrono::microseconds(300'000 + random.uniform_index(2'000'000));
     const auto lag = std::chrono::microseconds(random.uniform_index(200'000));
-    INFO("round " << round << ": " << (first ? "who asks " : "") << (second ? "who answers " : "")
-                  << "stands still for " << time.count() << " us");
+    INFO("round " << round << ": " << (first ? "the asker " : "") << (second ? "the answerer " : "")
+                  << "is stopped for " << time.count() << " us");
     if (first) asks.send(SIGSTOP);
     if (second) answers.send(SIGSTOP);
     std::this_thread::sleep_for(time);
@@ -159,7 +159,7 @@ TEST_CASE("processes that stood still find each other again", "[standstill]") {
   }
 }
 
-TEST_CASE("many forget one that has not forgotten them: they find it again", "[standstill]") {
+TEST_CASE("many peers forget a process that remembers them: they find it again", "[standstill]") {
   constexpr std::size_t askers = 5;
   SharedSteps<askers> steps;
   std::vector<std::unique_ptr<Child>> asking;
@@ -171,7 +171,7 @@ TEST_CASE("many forget one that has not forgotten them: they find it again", "[s
     INFO("round " << round);
     answers.send(SIGSTOP);
     std::this_thread::sleep_for(600ms);
-    // One after the other hears it again: what it then tells one disturbs those who have not asked yet.
+    // The peers continue one by one: the answer to one of them must not disturb those that have not asked yet.
     for (const auto& one : asking) one->send(SIGSTOP);
     answers.send(SIGCONT);
     std::this_thread::sleep_for(20ms);

@@ -1,4 +1,4 @@
-// A disk that is full, and results that were damaged: nothing is lost, and no number is ever wrong.
+// A full disk and damaged results: nothing is lost, and no result is wrong.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -40,7 +40,7 @@ class SmallDisk {
   fs::path at_;
 };
 
-/// The run into "full" fills its disk, says so and waits.
+/// Checks that the run into "full" fills its disk, reports it and waits.
 void check_pauses(const FaultScene& scene, Command& run) {
   CHECK(eventually(60s, [&] { return run.error_so_far().find("is full") != std::string::npos || !run.running(); }));
   INFO(run.error_so_far());
@@ -75,7 +75,7 @@ std::set<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Refused with a hint about what to do.
+/// Checks that a command is refused with a hint about what to do.
 bool is_refusal(const Finished& finished) {
   const bool refused = finished.exit_code == 1 || finished.exit_code == 2;
   if (refused) CHECK_THAT(finished.err, Contains("results.sqlite") || Contains("folder"));

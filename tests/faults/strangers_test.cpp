@@ -1,5 +1,5 @@
-// Samples that are in order for the bus, and hold what no process of ours would say: experiments that nobody can read,
-// and text that is meant for a terminal.
+// Samples that pass the checks of the bus but hold content that no process of Aloft sends: unreadable experiments, and
+// text with terminal commands.
 #include <idl/controlPubSubTypes.h>
 #include <idl/flightPubSubTypes.h>
 #include <signal.h>
@@ -36,7 +36,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// Offers experiments that nobody can read, again and again, to whoever is there and whoever comes.
+/// Offers unreadable experiments, again and again, to all present and later readers.
 class UnreadableOffers {
  public:
   UnreadableOffers(const bus::BusOptions& place, const wire::ExperimentId& experiment)
@@ -70,7 +70,7 @@ class UnreadableOffers {
 
 }  // namespace
 
-TEST_CASE("experiments of a stranger that nobody can read keep no process from the run, however late it starts",
+TEST_CASE("unreadable experiments of a foreign process keep no process from the run, however late it starts",
           "[messages]") {
   const FaultScene scene(40);
   const std::string name = "offers";
@@ -78,7 +78,7 @@ TEST_CASE("experiments of a stranger that nobody can read keep no process from t
   const UnreadableOffers stranger(stranger_in(run_name), experiment_of(scene));
   const auto run = scene.start(name, {"--workers", "1", "--run", run_name});
   scene.wait_for_flights(name, *run, 20);
-  // Once more with a coordinator that has spoken long ago.
+  // The same for processes that start long after the coordinator's first offer.
   std::size_t killed = 0;
   for (const int pid : scene.services(name, *run, "--worker w0")) {
     kill(pid, SIGKILL);
@@ -99,13 +99,13 @@ TEST_CASE("experiments of a stranger that nobody can read keep no process from t
   CHECK(told > 0);
 }
 
-TEST_CASE("text from the wire forges no line and commands no terminal", "[messages]") {
+TEST_CASE("text from the wire can forge no line and control no terminal", "[messages]") {
   const FaultScene scene;
   const std::string name = "text";
   const std::string run_name = own_name("text");
   const auto run = scene.start(name, {"--workers", "1", "--run", run_name});
   scene.wait_for_flights(name, *run, 2);
-  const auto environment = [&](int signal) {  // without worlds the run waits for us
+  const auto environment = [&](int signal) {  // without worlds the run waits for the test
     for (const int pid : scene.services(name, *run, "aloft-environment")) kill(pid, signal);
   };
   environment(SIGSTOP);

@@ -26,7 +26,7 @@ namespace {
 
 const std::filesystem::path folder = aloft::test::source_dir() / "tests/golden";
 
-/// Every agent that flies in this process, the DQN with the options that the published code had, and a relay in which a
+/// Every agent that flies in this process, the DQN with the options of the published code, and a relay in which a
 /// shadow takes over.
 experiment::Experiment golden_experiment() {
   Json agents = Json::array();
@@ -91,7 +91,7 @@ std::filesystem::path golden_file(const std::string& agent) {
   return folder / (agent + ".txt");
 }
 
-/// The first line that differs: shorter to read than two whole files.
+/// The first line that differs, which is shorter to read than two whole files.
 std::string first_difference(const std::string& stored, const std::string& now) {
   std::istringstream stored_lines(stored);
   std::istringstream now_lines(now);
@@ -112,7 +112,7 @@ bool trains(const agents::AgentSpec& spec) {
                                            [](const agents::CrewMember& member) { return trains(member.agent); });
 }
 
-/// Flies all agents again whose networks are trained in flight, or all others.
+/// Flies again all agents that train networks in flight, or all others.
 void check_golden_flights(bool trained_in_flight) {
   const experiment::Experiment experiment = golden_experiment();
   for (const agents::AgentSpec& spec : experiment.agents) {

@@ -1,5 +1,5 @@
-// Results that Aloft 0.2.0 stored: 21 of 63 flights, then it was interrupted (results-0.2.0/interrupted); and what the
-// whole experiment gave in that version. A later version may add columns and change none.
+// Results of Aloft 0.2.0: a run that was interrupted after 21 of 63 flights (results-0.2.0/interrupted), and the
+// summary of the whole experiment. Later versions can add columns, but must not change one.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -39,7 +39,7 @@ std::map<std::string, std::vector<std::string>> columns(const std::string& csv) 
   return columns;
 }
 
-/// The first `rows` of a stored file; 0: all.
+/// Compares the first `rows` of a stored file; 0: all.
 void check_same_columns(const std::string& now, const std::filesystem::path& stored, std::size_t rows = 0) {
   auto found = columns(now);
   auto expected = columns(read_text(stored));
@@ -71,7 +71,7 @@ TEST_CASE("results of version 0.2.0 are read as they are") {
   check_same_columns(output_of({"aloft", "export", results, "--flights"}), folder / "flights.csv", 21);
 }
 
-TEST_CASE("an interrupted run of version 0.2.0 goes on, and gives what it would have given", "[needs-avx2]") {
+TEST_CASE("an interrupted run of version 0.2.0 goes on to the results of that version", "[needs-avx2]") {
   if (aloft::learn::available_paths().back() == aloft::learn::Path::portable)
     return skip("this CPU has no AVX2 with FMA, and the portable code rounds differently");
   const ScratchDir scratch;

@@ -1,4 +1,4 @@
-// A test that cannot run is not called passed, and one that fails is not called skipped.
+// A test that cannot run is not reported as passed, and one that fails is not reported as skipped.
 #include <catch2/catch.hpp>
 
 #include "tests/integration/command.hpp"
@@ -21,7 +21,7 @@ TEST_CASE("a test program's exit code: 0 passed, 77 something was skipped, 1 som
              Contains("SKIPPED: cannot run here: there is no second moon"));
 }
 
-TEST_CASE("ctest calls what was skipped skipped, and tools/test.sh says why") {
+TEST_CASE("ctest reports skipped tests as skipped, and tools/test.sh says why") {
   const ScratchDir scratch;
   write_text(scratch / "CTestTestfile.cmake", "add_test(sample \"" + (bin_dir() / "aloft_harness_sample").string() +
                                                   "\" [skips])\nset_tests_properties(sample PROPERTIES "

@@ -1,4 +1,4 @@
-// What `aloft validate` accepts flies in process and over DDS, with the same bytes.
+// Experiments that `aloft validate` accepts fly in process and over DDS, with the same bytes.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>

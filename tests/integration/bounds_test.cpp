@@ -1,5 +1,5 @@
-// Input without bounds: too much, too long, endless, beside the range. Each is refused at once, with exit code 2, a
-// short message that says what and what to do, and nothing written.
+// Unbounded input: too much, too long, endless, out of range. Each is refused at once with exit code 2 and a short
+// message that says what is wrong and what to do; nothing is written.
 #include <sys/stat.h>
 
 #include <catch2/catch.hpp>
@@ -29,7 +29,7 @@ std::string list(int values) {
   return text + "]";
 }
 
-/// What a command says that is refused; the limit is many times what it needs.
+/// The message of a refused command; the time limit is many times what it needs.
 std::string refusal(const std::vector<std::string>& arguments) {
   const Finished finished = run_command(arguments, std::chrono::seconds(20));
   INFO(finished.err);
@@ -39,7 +39,7 @@ std::string refusal(const std::vector<std::string>& arguments) {
   return finished.err;
 }
 
-/// What "run" says of an experiment that it refuses, and "validate", too.
+/// The message by which both "run" and "validate" refuse an experiment.
 std::string refusal_of(const std::string& text, const std::vector<std::string>& options = {}) {
   const ScratchDir scratch;
   const std::string file = (scratch / "experiment.json").string();
@@ -71,7 +71,7 @@ TEST_CASE("sweeps are counted before they are expanded") {
              Contains("6 conditions x 2000000 trials = 12000000 trials") && Contains("at most 10000000"));
 }
 
-TEST_CASE("pipes and devices are no files") {
+TEST_CASE("pipes and devices are refused as files") {
   const ScratchDir scratch;
   const std::string pipe = (scratch / "pipe").string();
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
@@ -104,7 +104,7 @@ TEST_CASE("pipes and devices are no files") {
              Contains("is a pipe"));
 }
 
-TEST_CASE("numbers beside their range, and what is no number, are refused by name") {
+TEST_CASE("numbers out of range, and texts that are no number, are refused by name") {
   const std::string file = "data/experiments/quick.json";
   CHECK_THAT(refusal({"aloft", "run", file, "--seed", "18446744073709551616"}),
              Contains("--seed") && Contains("18446744073709551615"));
@@ -136,7 +136,7 @@ TEST_CASE("more workers than a domain has room for are refused with the number t
             .exit_code == 0);
 }
 
-TEST_CASE("names of runs and workers stay names, wherever they are given") {
+TEST_CASE("names of runs and workers with other characters are refused, wherever they are given") {
   const ScratchDir scratch;
   for (const std::string& name :
        {std::string("../../x"), std::string(".."), std::string("a b"), std::string(), std::string(65, 'x')}) {
@@ -196,7 +196,7 @@ TEST_CASE("a message repeats no more of its input than a reader needs") {
   CHECK_THAT(refusal_of(measured), Contains("use a number from"));
 }
 
-TEST_CASE("results that cannot be written to standard output are no success") {
+TEST_CASE("a command whose standard output cannot be written fails") {
   const ScratchDir scratch;
   const std::string aloft = (aloft::test::bin_dir() / "aloft").string();
   const std::string out = (scratch / "out").string();
@@ -218,7 +218,7 @@ TEST_CASE("results that cannot be written to standard output are no success") {
   CHECK(run_command({"aloft", "digest", out}).exit_code == 0);  // what was flown is stored
   const Finished watch =
       run_command({"/bin/sh", "-c", aloft + " status --watch --domain " + test_domain() + " > /dev/full"});
-  CHECK(watch.exit_code == 1);  // rather than go on for nobody
+  CHECK(watch.exit_code == 1);  // it does not go on when no output can be written
   CHECK_THAT(watch.err, Contains("cannot write"));
 }
 
@@ -241,7 +241,7 @@ TEST_CASE("folders that hold other things are left as they are") {
   CHECK(std::distance(std::filesystem::directory_iterator(scratch / "out"), {}) == 1);
 }
 
-TEST_CASE("a program of the user's cannot be flown in process, and that is said before anything is") {
+TEST_CASE("a program of the user's is refused in process before the first flight") {
   const std::string external = R"({"type": "external", "name": "mine"})";
   const auto refuses = [](const std::string& text) {
     CHECK_THAT(refusal_of(text, {"--in-process"}),

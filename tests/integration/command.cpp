@@ -49,7 +49,7 @@ ScratchDir::~ScratchDir() {
 
 void die_with(int parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1);  // it ended in between
+  if (getppid() != parent) _exit(1);  // the parent ended before prctl
 }
 
 Command::Command(const std::vector<std::string>& arguments) {

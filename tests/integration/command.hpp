@@ -29,7 +29,7 @@ class ScratchDir {
   std::filesystem::path path_;
 };
 
-/// How many times longer a wait may last: programs are slower under a sanitizer.
+/// Factor for the limits of waits, because programs are slower under a sanitizer.
 #if defined(__SANITIZE_THREAD__)
 inline constexpr int slowdown = 10;
 #elif defined(__SANITIZE_ADDRESS__)
@@ -38,10 +38,10 @@ inline constexpr int slowdown = 4;
 inline constexpr int slowdown = 1;
 #endif
 
-/// To be called by a child process that was just forked: it is killed when `parent`, its test, ends in whatever way.
+/// Called by a child process just after fork(): it is killed when its test, the process `parent`, ends in any way.
 void die_with(int parent);
 
-/// A program of build/bin (or an absolute path) started in the repository's root, in a process group of its own. It
+/// A program of build/bin (or an absolute path) started in the repository's root, in its own process group. It
 /// does not survive the test.
 class Command {
  public:

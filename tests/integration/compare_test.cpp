@@ -66,7 +66,7 @@ TEST_CASE("two settings: paired differences, the setting and the first step that
   CHECK(row["qos_difference_ci95"][0].get<double>() <= row["qos_difference"].get<double>());
 }
 
-TEST_CASE("other seeds are not paired and it says so; nothing shared is refused") {
+TEST_CASE("runs with different seeds are reported as not paired; runs that share no flights are refused") {
   const Runs runs;
   const std::string a = runs.run("a");
   const std::string b = runs.run("b", {"--seed", "4"});

@@ -111,7 +111,7 @@ void FakeWorker::fly() {
       lease.unconfirmed.insert(key);
       ++flown_[key];
       steps_ += steps_per_flight;
-      outbox_[key] = {};  // to be sent at once
+      outbox_[key] = {};  // the record is sent at the next pump()
     }
   }
 }

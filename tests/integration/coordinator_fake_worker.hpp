@@ -19,7 +19,7 @@ namespace aloft::test {
 /// Every flight of an experiment in canonical order.
 [[nodiscard]] std::vector<experiment::FlightKey> all_flights(const experiment::Experiment& experiment);
 
-/// Plays a whole worker towards the coordinator and the collector: takes assignments, "flies" synthetic flights, keeps
+/// Simulates a whole worker for coordinator and collector: takes assignments, "flies" synthetic flights, keeps
 /// its records until they are confirmed. Does all of it inside pump(), in the test's thread.
 class FakeWorker {
  public:
@@ -32,7 +32,7 @@ class FakeWorker {
     bool silent = false;      ///< as if stopped: nothing is sent or flown
     bool duplicates = false;  ///< every record is sent twice
     int flights_per_pump = 1;
-    std::set<std::pair<std::uint32_t, std::uint32_t>> failing;  ///< (condition, trial) that it gives up
+    std::set<std::pair<std::uint32_t, std::uint32_t>> failing;  ///< (condition, trial) that it reports as failed
     std::uint64_t incarnation = 1;
   } behaviour;
 
@@ -45,7 +45,7 @@ class FakeWorker {
   /// Why the collector refused records of this experiment.
   [[nodiscard]] const std::vector<std::string>& refusals() const { return refusals_; }
   [[nodiscard]] bool records_matched() const { return records_.matched() > 0; }
-  /// The run's own, as the coordinator says.
+  /// The run's own collector, as the coordinator announces it.
   [[nodiscard]] std::uint64_t collector() const { return collector_; }
   [[nodiscard]] wire::RunState run_state() const { return run_state_; }
   [[nodiscard]] const std::string& run_message() const { return run_message_; }

@@ -1,4 +1,4 @@
-// The real coordinator and the real collector over DDS; the workers are played by the test.
+// The real coordinator and the real collector over DDS; the test simulates the workers.
 #include <httplib.h>
 #include <signal.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The answer of the collector's HTTP server, whose port stands in its log.
+/// The answer of the collector's HTTP server; its port is read from the log.
 std::optional<std::string> http_get(const CoordinatedRun& run, const std::string& path) {
   std::smatch found;
   const std::string log = run.log("aloft-metrics");
@@ -33,7 +33,7 @@ std::optional<std::string> http_get(const CoordinatedRun& run, const std::string
 
 }  // namespace
 
-TEST_CASE("the experiment is offered again and again, for who lost the offer to a stranger's", "[coordinator]") {
+TEST_CASE("the experiment is offered repeatedly, because a foreign offer can displace one", "[coordinator]") {
   const CoordinatedRun run;
   const bus::Participant observer(run.place("observer"));
   bus::Reader<wire::RunControl> controls(observer);
@@ -63,7 +63,7 @@ TEST_CASE("two workers, every record twice, one of another experiment: all fligh
   pump_until({&w0, &w1}, [&] {
     const bool half_flown = w0.flown().size() + w1.flown().size() > flights_total / 2;
     const bool half_stored = w0.confirmations() > flights_total / 2;
-    // Not all, before the collector has been asked: it ends with the run.
+    // The last flights wait until the collector was asked, because it ends with the run.
     w0.behaviour.flights_per_pump = w1.behaviour.flights_per_pump = half_flown && http_metrics.empty() ? 0 : 1;
     if (half_stored && http_metrics.empty()) {
       w0.send({0, 0, "min-height"}, "rubbish", "0000000000000000");
@@ -110,7 +110,7 @@ TEST_CASE("coordinator and collector are killed again and again: the same result
   CHECK(kills == 6);
   CHECK(coordinator->wait().exit_code == 0);
   CHECK(metrics->wait().exit_code == 0);
-  // A restarted coordinator takes over what is in the air: nothing is flown twice but what nobody could know.
+  // A restarted coordinator takes over trials in the air; only those that no worker reported are flown twice.
   CHECK(times_flown(worker) <= static_cast<int>(flights_total) + 3 * 2 * 3);
   run.check_results();
 }
@@ -165,7 +165,7 @@ TEST_CASE("a silent worker's trials go to another; its late results do no harm",
   run.check_results();
 }
 
-TEST_CASE("a trial that fails everywhere is reported after the rest is done", "[coordinator]") {
+TEST_CASE("a trial that fails on every worker is reported after the rest is done", "[coordinator]") {
   const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   FakeWorker worker = run.worker("w0");
@@ -203,7 +203,7 @@ TEST_CASE("a record that can never be stored is answered with the reason", "[met
   CHECK(metrics->wait().exit_code == 130);
 }
 
-TEST_CASE("two different results of one flight stop the run loudly", "[coordinator][metrics]") {
+TEST_CASE("two different results of one flight stop the run with an error", "[coordinator][metrics]") {
   const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");
@@ -231,7 +231,7 @@ TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
     pump_until(
         {&worker}, [&] { return !coordinator->running() && !metrics->running(); }, 10s);
     CHECK(coordinator->wait().exit_code == 130);
-    CHECK(metrics->wait().exit_code == 0);  // it heard of the end
+    CHECK(metrics->wait().exit_code == 0);  // it received the end of the run
     CHECK(worker.run_state() == wire::RUN_STOPPING);
   }
   worker.behaviour.flights_per_pump = 1;
@@ -243,7 +243,7 @@ TEST_CASE("interrupted and resumed", "[coordinator][metrics]") {
   run.check_results();
 }
 
-TEST_CASE("a run without workers says so, and gives up if told to", "[coordinator]") {
+TEST_CASE("a run without workers reports it, and gives up after --give-up-after", "[coordinator]") {
   const CoordinatedRun run;
   const auto coordinator = run.start("aloft-coordinator", {"--give-up-after", "4.6"});
   const Finished finished = coordinator->wait(30s);
@@ -251,7 +251,7 @@ TEST_CASE("a run without workers says so, and gives up if told to", "[coordinato
   CHECK_THAT(finished.err, Contains("no worker for 4 s; waiting for one to join") && Contains("--give-up-after"));
 }
 
-TEST_CASE("what cannot work is refused with exit code 2", "[coordinator][metrics]") {
+TEST_CASE("wrong input is refused with exit code 2", "[coordinator][metrics]") {
   const CoordinatedRun run;
   for (const char* program : {"aloft-coordinator", "aloft-metrics"}) {
     const Finished finished =

@@ -40,7 +40,7 @@ class CoordinatedRun {
   std::unique_ptr<Command> start(const std::string& program, const std::vector<std::string>& more = {}) const {
     return start_in(results(), program, more);
   }
-  /// With other results, and a log of its own.
+  /// Starts a program with another result folder and its own log.
   std::unique_ptr<Command> start_in(const std::filesystem::path& folder, const std::string& program,
                                     const std::vector<std::string>& more = {}, const std::string& run = "") const {
     std::vector<std::string> arguments{program,
@@ -72,7 +72,7 @@ class CoordinatedRun {
     return read_text(scratch_ / "log" / (program + ".log"));
   }
 
-  /// What the results must be, made without any process.
+  /// The digest that the results must have, computed without starting a process.
   [[nodiscard]] std::string expected_digest() const {
     auto store = store::ResultStore::open_for_writing(scratch_ / "expected", experiment);
     store.batch([&] {
@@ -102,10 +102,10 @@ void pump_until(std::vector<FakeWorker*> workers, const Condition& done,
     for (FakeWorker* worker : workers) worker->pump();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  for (FakeWorker* worker : workers) worker->pump();  // what came last
+  for (FakeWorker* worker : workers) worker->pump();  // the last samples
 }
 
-/// Not more flights than that: the run goes on afterwards, however late the confirmations come.
+/// Flies no more than `flights`, so that the run cannot end while the confirmations are on their way.
 inline void pump_until_confirmed(FakeWorker& worker, std::size_t flights) {
   pump_until({&worker}, [&] {
     if (worker.flown().size() >= flights) worker.behaviour.flights_per_pump = 0;

@@ -1,4 +1,4 @@
-// The help as a user asks for it, and its examples as a user would copy them.
+// The help as a user requests it, and its examples as a user would copy them.
 #include <catch2/catch.hpp>
 #include <iterator>
 #include <regex>
@@ -89,7 +89,7 @@ TEST_CASE("aloft alone lists the commands; help tells about one", "[help]") {
 
 TEST_CASE("every command's help has examples that it takes, and says ranges in words", "[help]") {
   static const std::regex raw(R"(\bU?INT\b|\bFLOAT\b|TEXT:|REQUIRED|Excludes| in \[|\{[a-z]+,|\[\[|\[")");
-  // With --help behind it, a command line is checked but for what is missing.
+  // With --help at its end, a command line is checked, except for missing options.
   REQUIRE(run_command({"aloft", "run", "quick", "--workers", "x", "--help"}).exit_code == 2);
   std::size_t commands = 0;
   for (const Page& page : all_pages(80)) {
@@ -114,7 +114,7 @@ TEST_CASE("every command's help has examples that it takes, and says ranges in w
       const Finished checked = run_command(words);
       CHECK(checked.exit_code == 0);
       CHECK_THAT(checked.out, Contains("Usage: aloft " + page.command));
-      // What the usage line wants stands in it.
+      // The example has the arguments of the usage line.
       std::istringstream usage(page.text.substr(page.text.find("Usage:")));
       for (std::string wanted; usage >> wanted && wanted != "[OPTIONS]";)
         if (wanted.starts_with("--")) CHECK_THAT(example, Contains(wanted));
@@ -129,7 +129,7 @@ TEST_CASE("help fits terminals of 60, 80 and 200 columns", "[help]") {
     for (const Page& page : all_pages(columns))
       for (const std::string& line : lines_of(page.text)) {
         INFO(columns << " columns, " << page.command << ": " << line);
-        // A command line is to be copied, so it stays in one piece.
+        // Command lines are not broken, so that they can be copied.
         const bool example = line.size() > 2 && std::find(page.examples.begin(), page.examples.end(), line.substr(2)) !=
                                                     page.examples.end();
         CHECK((example || display_width(line) <= columns));
@@ -145,7 +145,7 @@ TEST_CASE("the examples of the help run as they stand", "[help]") {
     INFO(run.err);
     REQUIRE(run.exit_code == 0);
   }
-  // In this order; what is left out needs a run that goes on, data that are not there, or an hour.
+  // In this order. The examples left out need an unfinished run, missing data, or an hour.
   for (const char* command : {"help", "validate", "agents", "inspect world", "inspect table", "export", "digest",
                               "compare", "keys init", "keys issue"}) {
     const std::vector<std::string> examples = page_of(command, 80).examples;
@@ -160,7 +160,7 @@ TEST_CASE("the examples of the help run as they stand", "[help]") {
   }
   CHECK(typed(scratch.path(), page_of("report", 80).examples.front()).exit_code == 0);
   CHECK(std::filesystem::exists(scratch / "results/quick/report.html"));
-  // The first ones of a run, with less to fly.
+  // The examples of `run`, with fewer trials.
   std::filesystem::remove_all(scratch / "results/quick");
   for (const std::string& example : page_of("run", 80).examples) {
     if (example.find("mine.csv") != std::string::npos) continue;

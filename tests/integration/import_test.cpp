@@ -1,4 +1,4 @@
-// aloft import-rdata, as a user sees it: a measured world out of an R workspace, or a refusal and nothing written.
+// aloft import-rdata, as a user sees it: it makes a measured world from an R workspace, or refuses and writes nothing.
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -72,7 +72,7 @@ TEST_CASE("an existing file is replaced only with --force, the workspace itself 
   CHECK_THAT(nowhere.err, Contains("no folder"));
 }
 
-TEST_CASE("what cannot be imported is refused with what to do, and nothing is written") {
+TEST_CASE("a workspace that cannot be imported is refused with a remedy, and nothing is written") {
   const ScratchDir scratch;
   const auto refused = [&](const std::string& bytes, const std::vector<std::string>& options = {}) {
     workspace::write_bytes(scratch / "flight.Rdata", bytes);

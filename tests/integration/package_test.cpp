@@ -1,4 +1,4 @@
-// What comes with the program is found from any folder, in a build and in an installation.
+// The program finds its data from any working folder, in a build and in an installation.
 #include <catch2/catch.hpp>
 
 #include "tests/integration/command.hpp"

@@ -1,4 +1,4 @@
-// A run that is refused leaves nothing behind, whoever refuses it: no folder, no empty database, no logs.
+// A run that is refused, by whichever process, leaves nothing behind: no folder, no empty database, no logs.
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -18,7 +18,7 @@ namespace {
 constexpr const char* experiment_text = R"({"name": "small", "seed": 3, "trials": 2,
   "world": {"kind": "generated", "bs_density_per_km2": [2.5, 5], "steps": 20}, "agents": ["min-height", "random-walk"]})";
 
-/// Every path below `dir` with the content of the files; but SQLite's own, which readers leave and writers remove.
+/// Every path below `dir` with the content of the files, except SQLite's -wal and -shm, which come and go.
 std::map<std::string, std::string> content_of(const fs::path& dir) {
   std::map<std::string, std::string> content;
   for (const auto& entry : fs::recursive_directory_iterator(dir)) {
@@ -29,7 +29,7 @@ std::map<std::string, std::string> content_of(const fs::path& dir) {
   return content;
 }
 
-/// A UDP or TCP port that nobody else can have.
+/// A UDP or TCP port that is occupied as long as this object lives.
 class TakenPort {
  public:
   explicit TakenPort(int type) : socket_(socket(AF_INET, type | SOCK_CLOEXEC, 0)) {
@@ -67,7 +67,7 @@ struct Scene {
   std::string out = (scratch / "new" / "out").string();
   Scene() { write_text(experiment, experiment_text); }
 
-  /// Refused with this exit code, and everything is as it was.
+  /// Checks that the command is refused with this exit code and changes no file.
   void check_refused(const Arguments& command, const std::string& why, int exit_code = 2) const {
     INFO(why);
     const auto before = content_of(scratch.path());

@@ -1,5 +1,5 @@
-// Two of what a run has one of: collectors, coordinators, workers of one name. The second is refused by name, and no
-// run ends well with flights missing.
+// A second collector, coordinator or worker of the same name in a run: it is refused by name, and no run succeeds with
+// missing flights.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -23,7 +23,7 @@ std::string process(const Command& command) {
   return fmt::format("(process {}, since 20", command.pid());
 }
 
-/// Says that flights are stored, without being a collector.
+/// A process that confirms flights without being a collector.
 class Forger {
  public:
   Forger(const experiment::Experiment& experiment, const CoordinatedRun& run)
@@ -51,13 +51,13 @@ class Forger {
 
 }  // namespace
 
-TEST_CASE("a second collector of a run is refused by name, and the first may be restarted", "[rivals]") {
+TEST_CASE("a second collector of a run is refused by name, and the first can be restarted", "[rivals]") {
   const CoordinatedRun run;
   auto own = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");
   FakeWorker worker = run.worker("w0");
   pump_until_confirmed(worker, 20);
-  own->send(SIGSTOP);  // nobody confirms anything meanwhile but the one that must not
+  own->send(SIGSTOP);  // only the second collector could confirm flights now
   const auto second = run.start_in(run.folder("other"), "aloft-metrics");
   worker.behaviour.flights_per_pump = 1;
   pump_until({&worker}, [&] { return !second->running(); });
@@ -65,7 +65,7 @@ TEST_CASE("a second collector of a run is refused by name, and the first may be 
   CHECK(refused.exit_code == 2);
   CHECK_THAT(refused.err, Contains("run '" + run.name() + "' has one collector") && Contains(process(*own)) &&
                               Contains(run.folder("other").string()) && Contains("refused"));
-  CHECK_FALSE(std::filesystem::exists(run.folder("other")));  // a refused one leaves nothing
+  CHECK_FALSE(std::filesystem::exists(run.folder("other")));  // a refused collector makes no folder
   CHECK_THAT(run.log("aloft-coordinator"), Contains("refuses aloft-metrics") && Contains(process(*second)));
   own->send(SIGKILL);
   (void)own->wait();
@@ -76,7 +76,7 @@ TEST_CASE("a second collector of a run is refused by name, and the first may be 
   run.check_results();
 }
 
-TEST_CASE("a collector that is there first, for another folder, is refused as well", "[rivals]") {
+TEST_CASE("a collector for another folder is refused even if it starts first", "[rivals]") {
   const CoordinatedRun run;
   const auto stranger = run.start_in(run.folder("other"), "aloft-metrics");
   FakeWorker worker = run.worker("w0");
@@ -92,7 +92,7 @@ TEST_CASE("a collector that is there first, for another folder, is refused as we
   run.check_results();
 }
 
-TEST_CASE("flights that only a stranger calls stored are flown and stored all the same", "[rivals]") {
+TEST_CASE("flights that only a foreign process confirms are still flown and stored", "[rivals]") {
   const CoordinatedRun run;
   const auto own = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");
@@ -100,7 +100,7 @@ TEST_CASE("flights that only a stranger calls stored are flown and stored all th
   Forger forger(run.experiment, run);
   pump_until_confirmed(worker, 6);
   pump_until({&worker}, [&] { return forger.listeners() >= 2; });
-  // Every flight of the run at once, in the name of its own collector: first without, then with the right digests.
+  // Confirms all flights of the run under its own collector's name, first with wrong, then with right digests.
   for (const auto& key : all_flights(run.experiment)) forger.claim(key, std::string(64, '0'), worker.collector());
   for (const auto& key : all_flights(run.experiment))
     forger.claim(key, sha256_hex(synthetic_trace(run.experiment, key)), worker.collector());
@@ -112,7 +112,7 @@ TEST_CASE("flights that only a stranger calls stored are flown and stored all th
   run.check_results();
 }
 
-TEST_CASE("records that a stranger confirms while there is no collector are lost, and flown again", "[rivals]") {
+TEST_CASE("records that a foreign process confirms while no collector runs are lost, and flown again", "[rivals]") {
   const CoordinatedRun run;
   auto own = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator", {"--claim-timeout", "1"});
@@ -126,7 +126,7 @@ TEST_CASE("records that a stranger confirms while there is no collector are lost
   worker.behaviour.flights_per_pump = 1;
   pump_until({&worker}, [&] { return worker.flown().size() >= before + 6; });
   worker.behaviour.flights_per_pump = 0;
-  // In the name of the collector that is dead, with the right digests: the worker cannot know better.
+  // With the dead collector's name and the right digests, the worker cannot detect the forgery.
   for (const auto& [key, times] : worker.flown())
     forger.claim(key, sha256_hex(synthetic_trace(run.experiment, key)), worker.collector());
   pump_until({&worker}, [&] { return worker.confirmations() >= before + 6; });
@@ -139,7 +139,7 @@ TEST_CASE("records that a stranger confirms while there is no collector are lost
   run.check_results();
 }
 
-TEST_CASE("flights that vanish from the results before the end are named, and the run does not end well", "[rivals]") {
+TEST_CASE("flights that vanish from the results before the end are named, and the run fails", "[rivals]") {
   const CoordinatedRun run;
   const auto own = run.start("aloft-metrics", {"--summary"});
   const auto coordinator = run.start("aloft-coordinator");
@@ -147,7 +147,7 @@ TEST_CASE("flights that vanish from the results before the end are named, and th
   pump_until_confirmed(worker, 30);
   {
     SQLite::Database database((run.results() / "results.sqlite").string(), SQLite::OPEN_READWRITE, 5000);
-    // As if it had never been stored: rows that are merely removed are noticed as damage.
+    // Removes the flight and its count; rows that are merely removed are noticed as damage.
     database.exec(
         "DELETE FROM flight WHERE condition = 0 AND trial = 1 AND agent = 'constant-120';"
         "DELETE FROM trace WHERE flight NOT IN (SELECT id FROM flight);"
@@ -192,7 +192,7 @@ TEST_CASE("a second coordinator of a run ends at once and names the first, which
   run.check_results();
 }
 
-TEST_CASE("of two coordinators that did not hear each other start, the later one ends", "[rivals]") {
+TEST_CASE("of two coordinators that find each other late, the one that started later ends", "[rivals]") {
   const CoordinatedRun run;
   const auto metrics = run.start("aloft-metrics");
   const auto coordinator = run.start("aloft-coordinator");

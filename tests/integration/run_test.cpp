@@ -1,4 +1,4 @@
-// aloft run, as a user sees it: the same bytes whatever the number of workers, order or interruption; nothing left
+// aloft run, as a user sees it: the same bytes with any number of workers, order or interruption, and nothing left
 // behind.
 #include <signal.h>
 
@@ -59,7 +59,7 @@ struct Scene {
     CHECK(finished.exit_code == 0);
     return digest_of(name);
   }
-  /// Until the first results are there.
+  /// Waits for the first results.
   void wait_for_flights(const std::string& name, Command& run) const {
     const std::string of_nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855\n";
     for (std::string digest; run.running() && (digest.empty() || digest == of_nothing); digest = digest_of(name))
@@ -78,7 +78,7 @@ std::vector<std::string> shared_memory_files() {
   return names;
 }
 
-/// What the learning agents of a run were started with.
+/// Numbers of threads with which the learning agents of a run were started.
 std::set<unsigned> learner_threads(const std::string& out) {
   const std::string flag = std::string("--threads") + '\0';
   std::set<unsigned> threads;
@@ -107,7 +107,7 @@ TEST_CASE("the same bytes in process, on 1, 2 and 4 workers, shuffled, and resum
   while (interrupted.running() && interrupted.error_so_far().find(" flights") == std::string::npos &&
          !std::filesystem::exists(scene.scratch / "resumed" / "log"))
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  std::set<unsigned> threads;  // the learners may have come later, or be gone again by the end
+  std::set<unsigned> threads;  // learners start later and can have ended by the end
   const auto begin = std::chrono::steady_clock::now();
   while (interrupted.running() &&
          (threads.empty() || std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(1200))) {
@@ -143,7 +143,7 @@ TEST_CASE("an order in process can be shuffled, too") {
 
 TEST_CASE("what an agent remembers from trial to trial is the same in process, on workers, and through kills") {
   const Scene scene;
-  // Two agents with chains of their own; the trials wait for each other as both need it.
+  // Two agents with different lineages; a trial waits for the earlier trials that each of them needs.
   const auto experiment = [](const std::string& memory) {
     return R"({"name": "remembering", "seed": 3, "trials": 6,
       "world": {"kind": "generated", "bs_density_per_km2": [1, 5], "steps": 25},

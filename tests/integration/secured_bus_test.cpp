@@ -1,5 +1,5 @@
-// What the middleware must do for a secured run: let everybody meet who starts at the same time, remember who stood
-// still for a while, and take nothing in clear text.
+// What a secured run needs from the middleware: processes that start together find each other, peers that were stopped
+// for a while are remembered, and clear text is dropped.
 #include <arpa/inet.h>
 #include <idl/controlPubSubTypes.h>
 #include <netinet/in.h>
@@ -33,14 +33,14 @@ namespace {
 
 constexpr std::size_t pairs = 8;
 constexpr auto limit = 60s;
-constexpr std::uint64_t lie = 4'711'000;  // steps done
+constexpr std::uint64_t lie = 4'711'000;  // steps_done of forged samples
 
-/// What the processes of a test tell it: whom they have met, and the last sample.
+/// Memory in which a test's processes report the peers that they have found, and the last sample.
 struct Shared {
   std::array<std::atomic<std::size_t>, pairs> readers_met;  // by channel
   std::array<std::atomic<std::size_t>, pairs> writers_met;  // by environment
   std::atomic<std::uint64_t> heard;
-  std::atomic<bool> believed;            // a lie was heard
+  std::atomic<bool> believed;            // a forged sample was accepted
   std::array<unsigned char, 12> writer;  // the address of channel 0 on the wire
   std::atomic<bool> writer_known;
 };
@@ -165,7 +165,7 @@ Bytes forged(const std::array<unsigned char, 12>& writer, unsigned char entity, 
   return message;
 }
 
-/// Sends forged samples, those that would come next, to the ports of all processes.
+/// Sends forged samples with the next sequence numbers to the ports of all processes.
 void forge(const Crowd& crowd, const Bytes& payload) {
   const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};
@@ -185,7 +185,7 @@ void forge(const Crowd& crowd, const Bytes& payload) {
 
 }  // namespace
 
-TEST_CASE("all processes of a secured run that start together meet") {
+TEST_CASE("all processes of a secured run that start together find each other") {
   Crowd crowd;
   for (std::size_t i = 0; i < pairs; ++i) {
     crowd.start_channel(i);
@@ -200,7 +200,7 @@ TEST_CASE("all processes of a secured run that start together meet") {
   CHECK(met() == 2 * pairs * pairs);
 }
 
-TEST_CASE("processes of a secured run that stood still for seconds go on") {
+TEST_CASE("processes of a secured run that were stopped for seconds go on") {
   Crowd crowd;
   const pid_t writer = crowd.start_channel(0);
   const pid_t reader = crowd.start_environment(0);
@@ -210,7 +210,7 @@ TEST_CASE("processes of a secured run that stood still for seconds go on") {
   };
   REQUIRE(goes_on());
   for (const pid_t sleeper : {writer, reader}) {
-    INFO("stands still: who " << (sleeper == writer ? "writes" : "reads"));
+    INFO("stopped: the " << (sleeper == writer ? "writer" : "reader"));
     kill(sleeper, SIGSTOP);
     std::this_thread::sleep_for(3s);
     kill(sleeper, SIGCONT);
@@ -218,7 +218,7 @@ TEST_CASE("processes of a secured run that stood still for seconds go on") {
   }
 }
 
-TEST_CASE("a forged sample in clear text is taken only where nothing is secured") {
+TEST_CASE("a forged sample in clear text is accepted only in an unsecured run") {
   wire::WorkerStatus sample;
   sample.worker("w0");
   sample.steps_done(lie);
@@ -233,7 +233,7 @@ TEST_CASE("a forged sample in clear text is taken only where nothing is secured"
     for (int round = 0; round < 30 && !crowd.shared().believed; ++round) {
       const std::uint64_t before = crowd.shared().heard;
       forge(crowd, payload);
-      CHECK(within(limit, [&] { return crowd.shared().heard > before; }));  // the true ones come in any case
+      CHECK(within(limit, [&] { return crowd.shared().heard > before; }));  // true samples still arrive
     }
     CHECK(crowd.shared().believed == !secured);
   }

@@ -1,5 +1,5 @@
-// A secured run of real processes: it flies the same bytes, and whoever does not belong to it reads and writes nothing
-// and is named in the log of those who do.
+// A secured run of real processes: it gives the same bytes, and a process that does not belong to it reads and writes
+// nothing and is named in the logs of the run.
 #include <signal.h>
 #include <unistd.h>
 
@@ -40,10 +40,10 @@ bool within(std::chrono::milliseconds limit, Done done) {
   return true;
 }
 
-/// Longer than friends need to meet and hear what there is.
+/// Longer than processes of the run need for discovery and the first samples.
 constexpr auto patience = 2500ms;
 
-/// A run that goes on until the test ends it, and somebody who is welcome in it.
+/// A run that goes on until the test ends it, and the keys to join it.
 class SecuredRun {
  public:
   SecuredRun() {
@@ -73,7 +73,7 @@ class SecuredRun {
     options.role = role;
     return options;
   }
-  /// As an observer with keys of the run hears it.
+  /// Flights stored, as an observer with keys of the run sees it.
   [[nodiscard]] std::uint64_t flights_stored() const {
     const Finished status = run_command({"aloft", "status", "--run", place.run, "--domain", test_domain(), "--secure",
                                          keys().string(), "--format", "json"});
@@ -128,7 +128,7 @@ std::string rule(const std::string& domains, const std::string& topics) {
 
 constexpr const char* everywhere = "<id_range><min>0</min><max>101</max></id_range>";
 
-/// Tells everybody to stop, which would end the run, and listens to what there is to hear.
+/// Publishes the order to stop the run and checks that it receives no sample of the run.
 void intrude(const bus::BusOptions& writing, const bus::BusOptions& reading) {
   const bus::Participant first(writing);
   const bus::Participant second(reading);
@@ -145,7 +145,7 @@ void intrude(const bus::BusOptions& writing, const bus::BusOptions& reading) {
   }));
 }
 
-/// Once as somebody who only writes to the run, once as somebody who only reads: two intruders would hear each other.
+/// The intruder first only writes to the run and then only reads, since its own reader would receive its writer.
 void intrude_both_ways(const bus::BusOptions& intruder) {
   bus::BusOptions elsewhere = intruder;
   elsewhere.run += ".other";
@@ -183,7 +183,7 @@ TEST_CASE("a secured run flies the same bytes as an unsecured one") {
   CHECK(digest("secured", {"--secure", (scratch / "keys").string()}) == reference);
 }
 
-TEST_CASE("an order to stop ends an unsecured run: what intruders try does work where nothing is secured") {
+TEST_CASE("the order to stop by which intruders are tested does end an unsecured run") {
   ScratchDir scratch;
   bus::BusOptions place{.run = "open-" + std::to_string(getpid()),
                         .worker = "",
@@ -231,9 +231,9 @@ TEST_CASE("intruders read and write nothing, and are named") {
     CHECK_THROWS_WITH(bus::Reader<wire::WorkerStatus>(agent), Contains("WorkerStatus") && Contains("'learning-agent'"));
   }
   {
-    INFO("with the keys of an agent, and a middleware that does not mind");
-    // The middleware looks at its own process's topics alone, but at those of others for the domain too. So permissions
-    // for another domain stand for a program that has been tampered with.
+    INFO("with the keys of an agent, and a middleware that allows its own process everything");
+    // The middleware checks the topics of its own process without the domain, but those of others with it. So rules for
+    // another domain simulate a program whose own checks were removed.
     const fs::path keys = run.scratch("agent");
     security::issue_keys(run.keys(), {.role = Role::learning_agent, .name = "mallory"},
                          bus::topic_rights(Role::learning_agent), keys);
@@ -252,7 +252,7 @@ TEST_CASE("intruders read and write nothing, and are named") {
   CHECK(run.goes_on());
 }
 
-TEST_CASE("whoever has an operator's keys may order a swap, and nothing else") {
+TEST_CASE("a process with an operator's keys can order a swap, and nothing else") {
   const SecuredRun run;
   const auto swap = [&](const fs::path& keys) {
     return run_command({"aloft", "swap", "--run", run.place.run, "--domain", test_domain(), "--worker", "w0", "--agent",
@@ -287,7 +287,7 @@ TEST_CASE("whoever has an operator's keys may order a swap, and nothing else") {
   CHECK(run.goes_on());
 }
 
-TEST_CASE("a process does not start with keys that it should not use") {
+TEST_CASE("a process refuses to start with wrong keys") {
   const ScratchDir scratch;
   const fs::path keys = scratch / "keys";
   make_all_keys(keys);
@@ -305,7 +305,7 @@ TEST_CASE("a process does not start with keys that it should not use") {
     CHECK_THAT(finished.err, Contains("channel/key.pem: other users may read this private key (mode 644); chmod 600"));
   }
   CHECK_FALSE(fs::exists(scratch / "out"));
-  // A run that has nothing left to fly checks them, too.
+  // A run with nothing left to fly checks the keys, too.
   std::vector<std::string> run{
       "aloft", "run", experiment, "--trials", "1", "--agents", "min-height", "--out", (scratch / "done").string()};
   run.push_back("--in-process");

@@ -1,4 +1,4 @@
-// aloft status against real processes: it finds the run by itself, names the agents, and notices who is gone.
+// aloft status with real processes: it finds the run by itself, names the agents, and notices lost processes.
 #include <signal.h>
 #include <unistd.h>
 
@@ -34,7 +34,7 @@ class EndlessRun {
     for (int i = 0; i < 1000 && run_.running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 
-  /// The run as `aloft status` tells it; calls again until `wanted` holds, for 30 s (times the slowdown).
+  /// The run as `aloft status` shows it; calls again until `wanted` holds, for 30 s (times the slowdown).
   template <class Wanted>
   Json status_until(Wanted wanted) const {
     Json run;
@@ -87,7 +87,7 @@ bool is_there(const Json& run, const std::string& agent) {
 
 }  // namespace
 
-TEST_CASE("status finds a run, tells how it goes, and notices who is gone") {
+TEST_CASE("status finds a run, shows its progress, and notices lost processes") {
   const EndlessRun endless;
   const Json run = endless.status_until([](const Json& now) {
     return now["flights_stored"] > 0 && now["state"] == "running" && now["collector"]["state"] == "storing" &&
@@ -121,7 +121,7 @@ TEST_CASE("status --watch goes on until Ctrl-C, one JSON object per line") {
   CHECK(Json::parse(first)["runs"].is_array());
 }
 
-TEST_CASE("status says what it listened to when nobody is there, and refuses wrong input") {
+TEST_CASE("status says where it listened when there is no run, and refuses wrong input") {
   const Finished nobody =
       run_command({"aloft", "status", "--run", "no-such-run", "--domain", test_domain(), "--wait", "0.5"});
   CHECK(nobody.exit_code == 1);

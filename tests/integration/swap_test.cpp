@@ -1,5 +1,5 @@
-// Agents that share a flight, over real processes: written relays give the same bytes as in process, through kills;
-// standbys take over; swaps by order lose and double nothing.
+// Agents that share a flight, over real processes: relays with given steps give the same bytes as in process, even with
+// kills; standbys take over; swaps by order lose and repeat no step.
 #include <signal.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ using test::ScratchDir;
 using test::test_domain;
 using test::write_text;
 
-/// Long flights whose worlds are quickly made.
+/// Long flights through worlds that are made quickly.
 std::string experiment_text(const std::string& on_agent_loss, int trials, int steps, const std::string& crew) {
   return R"({"name": "shared", "seed": 5, "on_agent_loss": ")" + on_agent_loss + R"(", "trials": )" +
          std::to_string(trials) +
@@ -78,7 +78,7 @@ struct Scene {
       if (read_text("/proc/" + std::to_string(pid) + "/cmdline").find(program) != std::string::npos) return pid;
     return 0;
   }
-  /// Of every flight of the relay: who flew which step, each exactly once.
+  /// For every flight of the relay the agent that flew each step; checks that every step is there exactly once.
   [[nodiscard]] std::vector<std::vector<std::string>> pilots(const std::string& name) const {
     std::vector<std::vector<std::string>> flights;
     const auto results = store::ResultStore::open_for_reading(scratch / name);
@@ -139,7 +139,7 @@ class Orders {
   }
   [[nodiscard]] bool ready() const { return requests_.matched() > 0 && replies_.matched() > 0; }
 
-  /// Until the agent commands all flights in the air; the reply, if it came.
+  /// Waits until the agent commands all flights in the air. Returns the reply, if there was one.
   std::optional<wire::SwapReply> swap(const std::string& agent) {
     wire::SwapRequest request;
     request.request_id(++last_id_);
@@ -159,7 +159,7 @@ class Orders {
     }
     return std::nullopt;
   }
-  /// In words, for a test that fails.
+  /// The last reply in words, for the message of a failed test.
   [[nodiscard]] std::string last_reply() const {
     if (!last_reply_) return "no reply to the order";
     return std::to_string(last_reply_->flights_waiting()) + " flights wait for the agent that was ordered, " +
@@ -175,8 +175,8 @@ class Orders {
   std::uint64_t last_id_ = 0;
 };
 
-/// The processes of one worker, coordinator and collector, without `aloft run`, which would start again what is killed
-/// before anybody has to take over. Agents are started by the test.
+/// The processes of one worker, coordinator and collector, without `aloft run`, which would restart a killed agent
+/// before another one has to take over. The test starts the agents.
 class SingleProcesses {
  public:
   explicit SingleProcesses(const Scene& scene, const std::string& lanes) : scene_(scene) {
@@ -185,7 +185,7 @@ class SingleProcesses {
     start("aloft-environment");
     launch("aloft-channel", "aloft-channel", {"--worker", "w0", "--lanes", lanes});
   }
-  /// With an agent: only that one is served, and the process is known by its name.
+  /// If `agent` is given, the process hosts only this agent and has its name.
   void start(const std::string& program, const std::string& agent = "") {
     if (agent.empty())
       launch(program, program, {"--worker", "w0"});
@@ -211,7 +211,7 @@ class SingleProcesses {
   std::map<std::string, std::unique_ptr<Command>> processes_;
 };
 
-/// Somebody else's work on every core.
+/// A busy thread on every core.
 class BusyCores {
  public:
   BusyCores() {
@@ -249,7 +249,7 @@ Footprint footprint(int pid) {
 
 }  // namespace
 
-TEST_CASE("a written relay: the same bytes in process, over the bus, and through kills") {
+TEST_CASE("a relay with given steps: the same bytes in process, over the bus, and with kills") {
   const Scene scene(experiment_text("restart", 3, 60, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 40}, "from_step": 21},
     {"agent": {"type": "dqn", "epochs": 40, "name": "cold"}, "from_step": 41, "shadow": false},
@@ -283,8 +283,8 @@ TEST_CASE("a written relay: the same bytes in process, over the bus, and through
   CHECK(scene.digest_of("killed") == reference);
 }
 
-TEST_CASE("failover: kill -9 the process that flies, and a standby flies on in the time that is promised") {
-  // Two learners with a process each set the pace, whoever of them is there.
+TEST_CASE("failover: after kill -9 of the process that flies, a standby takes over in the documented time") {
+  // Two learners, each in its own process, so that the flights last long with either.
   const int steps = test::effort(2000, 4000);
   const Scene scene(experiment_text("failover", test::effort(3, 8), steps, R"([
     {"agent": {"type": "dqn", "name": "first", "epochs": 30, "hidden_width": 64}},
@@ -299,7 +299,7 @@ TEST_CASE("failover: kill -9 the process that flies, and a standby flies on in t
   const auto takeovers = [&] { return logged_at(scene.log("run", "aloft-channel-w0"), "agent first is lost in"); };
   const auto over = [&] { return !processes.at("aloft-coordinator").running(); };
   for (int i = 0; i < test::effort(3, 20); ++i) {
-    REQUIRE(eventually([&] {  // until it commands the flight; its process may just have been started
+    REQUIRE(eventually([&] {  // its process can have just been started
       const auto reply = orders.swap("first");
       return over() || (reply && reply->accepted() && reply->flights_flown() == 1);
     }));
@@ -342,7 +342,7 @@ TEST_CASE("a relay waits once for a member that never comes; its flights are the
   SingleProcesses processes(scene, "1");
   processes.start("aloft-baseline-agent");
   CHECK(processes.at("aloft-coordinator").wait(180s).exit_code == 0);
-  // Three seconds per trial would be a minute.
+  // If every trial waited for 3 s, the run would take a minute.
   CHECK(std::chrono::steady_clock::now() - start < trials * 3s * test::slowdown);
   CHECK(scene.digest_of("run/results") == reference);
   CHECK(logged_at(scene.log("run", "aloft-channel-w0"), "agent dqn is not there; relays fly without it").size() == 1);
@@ -351,7 +351,7 @@ TEST_CASE("a relay waits once for a member that never comes; its flights are the
 TEST_CASE("many swaps under load: no step lost or doubled, memory and files of all processes flat") {
   const int swaps = test::effort(30, 1000);
   const int trials = std::max(4, swaps / 10);
-  // Four flights at a time: two agents of the other process, one of them a learner, and one of this process.
+  // Four flights at a time; the crew has a learner and agents of both agent processes.
   const Scene scene(experiment_text("failover", trials, 2000, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}, {"agent": "constant-80"}])"));
   Command run(scene.command("run", {"--workers", "1"}));
@@ -370,7 +370,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
     if (!reply && !run.running()) break;
     if (!reply) FAIL(orders.last_reply() << "\n" << scene.log("run", "aloft-channel-w0"));
     waited_s += seconds_since_epoch() - start_s;
-    if (!reply->accepted() || reply->flights_flown() == 0) {  // before the agents are there, or between two trials
+    if (!reply->accepted() || reply->flights_flown() == 0) {  // before the agents have joined, or between two trials
       std::this_thread::sleep_for(100ms);
       --i;
       continue;
@@ -384,7 +384,7 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
         const Footprint after = footprint(scene.pid_of("run", program));
         INFO(program << ": " << before[program].memory_kib << " KiB, then " << after.memory_kib);
         CHECK(after.files <= before[program].files + 2);
-        // A few swaps are over before the process has reached its working size.
+        // Memory still grows during the first swaps.
         if (test::soak() && test::slowdown == 1) CHECK(after.memory_kib < before[program].memory_kib + 10 * 1024);
       }
   }
@@ -400,14 +400,14 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
     CHECK(flight.size() == 2000);
     changed += changes(flight);
   }
-  // Every flight that an order found in the air changed hands, unless its pilot was the right one already.
+  // Every flight in the air at an order changed its pilot, unless that agent flew it already.
   CHECK(changed <= taken + flights.size());
   CHECK(changed + 2 * flights.size() >= taken);
   CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("starts again") && !Contains("is lost"));
 }
 
 TEST_CASE("aloft swap: what it prints, and what it refuses with exit code 2") {
-  // The learner sets the pace: the flights last longer than the test.
+  // The learner is slow, so that the flights last longer than the test.
   const Scene scene(experiment_text("failover", 2, 8000, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 300, "hidden_width": 64}}, {"agent": "constant-80"}])"));
   Command run(scene.command("run", {"--workers", "1"}));

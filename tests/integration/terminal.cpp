@@ -119,7 +119,7 @@ bool TerminalSession::listen() {
   if (poll(&ready, 1, 50) <= 0) return true;
   std::array<char, 4096> buffer;
   const ssize_t count = read(descriptor_, buffer.data(), buffer.size());
-  if (count <= 0) return false;  // EIO: nobody has the terminal open any more
+  if (count <= 0) return false;  // EIO: no process has the terminal open any more
   const std::string bytes(buffer.data(), static_cast<std::size_t>(count));
   bytes_ += bytes;
   screen_.write(bytes);

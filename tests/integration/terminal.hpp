@@ -6,8 +6,8 @@
 
 namespace aloft::test {
 
-/// What a terminal of so many columns shows of what programs write to it. Knows what aloft uses: line feed, carriage
-/// return, erasing to the end of the row, and typefaces, which it passes over.
+/// The screen of a terminal with a given number of columns. Knows the control sequences that aloft uses: line feed,
+/// carriage return, erasing to the end of the row, and typefaces, which it ignores.
 class Screen {
  public:
   explicit Screen(std::size_t columns) : columns_(columns) {}
@@ -23,7 +23,7 @@ class Screen {
     bool continues = false;
   };
   void put(const std::string& character, std::size_t width);
-  /// Bytes that the sequence at the start takes; none: it is not complete yet.
+  /// Length of the sequence at the start in bytes; none if it is not complete yet.
   std::size_t escape_sequence(const std::string& bytes);
 
   std::size_t columns_;
@@ -32,7 +32,7 @@ class Screen {
   std::size_t column_ = 0;
 };
 
-/// A program of build/bin in a terminal of its own, started in the repository's root. It does not survive the test.
+/// A program of build/bin in its own terminal, started in the repository's root and ended with the test.
 class TerminalSession {
  public:
   TerminalSession(const std::vector<std::string>& arguments, unsigned short columns);
@@ -40,7 +40,7 @@ class TerminalSession {
   TerminalSession(const TerminalSession&) = delete;
   TerminalSession& operator=(const TerminalSession&) = delete;
 
-  /// Reads what comes for a moment; false once the program has ended.
+  /// Reads output for a moment; false once the program has ended.
   bool listen();
   [[nodiscard]] const Screen& screen() const noexcept { return screen_; }
   [[nodiscard]] const std::string& bytes() const noexcept { return bytes_; }

@@ -1,4 +1,4 @@
-// What a user sees in a terminal, captured through a pseudo terminal.
+// The output that a user sees in a terminal, captured through a pseudo terminal.
 #include "tests/integration/terminal.hpp"
 
 #include <signal.h>
@@ -28,7 +28,7 @@ const std::string experiment_text = R"({
   "agents": ["min-height", "random-walk", {"type": "dqn", "name": "dqn-with-a-long-name", "epochs": 20}]
 })";
 
-/// The rows of a status line, whatever its numbers.
+/// Number of rows that show a status line.
 std::size_t progress_rows(const Screen& screen) {
   static const std::regex progress(R"(^\d+/\d+ flights.*)");
   const std::vector<std::string> rows = screen.rows();
@@ -91,7 +91,7 @@ TEST_CASE(
   CHECK(session.wait(120s) == 0);
 
   INFO(session.bytes());
-  CHECK(progress_rows(session.screen()) == 1);  // it was drawn again and again, and once it stayed
+  CHECK(progress_rows(session.screen()) == 1);  // drawn many times, but only the last one stays
   const std::vector<std::string> rows = session.screen().rows();
   const auto row_with = [&](const std::string& text) {
     return std::find_if(rows.begin(), rows.end(),

@@ -1,5 +1,5 @@
-// One worker of real processes; the test plays the coordinator and the collector. Every record must hold the very bytes
-// that the same flight gives without any bus.
+// One worker of real processes; the test acts as coordinator and collector. Every record must hold the same bytes as
+// the same flight without a bus.
 #include <signal.h>
 
 #include <algorithm>
@@ -63,7 +63,7 @@ std::vector<std::string> shared_memory_files() {
   return names;
 }
 
-/// The rest of the system: hands out all trials at once, checks and confirms what comes back.
+/// The rest of the system: assigns all trials at once, checks and confirms the records.
 class Scene {
  public:
   explicit Scene(const char* experiment = experiment_text)
@@ -74,7 +74,7 @@ class Scene {
     assign_all();
   }
 
-  /// Every trial, under new leases.
+  /// Assigns every trial under a new lease.
   void assign_all() {
     for (const experiment::Condition& condition : experiment_.conditions)
       for (std::uint32_t trial = 0; trial < experiment_.trials; ++trial) assign(++last_lease_, condition.index, trial);
@@ -233,8 +233,8 @@ TEST_CASE("a killed agent or channel costs time, but no byte") {
   }
 }
 
-TEST_CASE("a foreign program on another DDS implementation plays min-height through our IDL alone") {
-  // Our processes use the loopback interface only; Cyclone DDS must be told to do so too.
+TEST_CASE("a foreign program on another DDS implementation flies as min-height, using only our IDL") {
+  // Aloft's processes use the loopback interface only; Cyclone DDS has to be configured for that.
   setenv("CYCLONEDDS_URI",
          ("file://" + (aloft::test::source_dir() / "deploy/dds/cyclonedds-loopback.xml").string()).c_str(), 1);
   Scene scene(R"({"name": "foreign-test", "seed": 5, "trials": 3,

@@ -1,5 +1,5 @@
-// What an experiment may hold, every process can send: experiments that are accepted are flown sample by sample, each
-// checked as the bus checks it, and give the same bytes as a direct call.
+// Every process can send what an accepted experiment needs: such experiments are flown sample by sample, each checked
+// as the bus checks it, and give the same bytes as a direct call.
 #include <rapidcheck.h>
 
 #include <catch2/catch.hpp>
@@ -29,7 +29,7 @@
 namespace aloft {
 namespace {
 
-/// As bus::Writer and bus::Reader would.
+/// Checks a sample as bus::Writer and bus::Reader would.
 template <class T>
 void check_sample(const T& sample) {
   if (const char* error = bus::validate(sample)) throw std::runtime_error(error);
@@ -50,7 +50,7 @@ std::unique_ptr<radio::SignalMap> map_of(const experiment::Experiment& experimen
   return radio::make_generated_map(condition.world, bus::city(world), experiment.seed, 0);
 }
 
-/// One flight in which everything goes over the wire.
+/// One flight in which every message is encoded and decoded.
 flight::FlightRecord fly_by_samples(radio::SignalMap& map, std::uint64_t seed, const agents::AgentSpec& spec,
                                     const flight::Costs& costs) {
   flight::Flight flight(map, seed, 0, costs);
@@ -80,7 +80,7 @@ flight::FlightRecord fly_by_samples(radio::SignalMap& map, std::uint64_t seed, c
   }
 }
 
-/// What the bus would check of a world that takes too long to fly in here.
+/// Checks the samples of a world that takes too long to fly here.
 void check_unflown(const Parameters& world) {
   const radio::HeightGrid heights = radio::height_grid(world);
   wire::ChannelReport report;
@@ -119,7 +119,7 @@ void check_experiment(const experiment::Experiment& experiment, bool small) {
 
 }  // namespace
 
-TEST_CASE("what an experiment may hold, every process can send, with the same bytes") {
+TEST_CASE("every sample of an accepted experiment can be sent, and gives the same bytes") {
   const test::ScratchDir scratch;
   int accepted = 0;
   int refused = 0;
@@ -140,7 +140,7 @@ TEST_CASE("what an experiment may hold, every process can send, with the same by
   CHECK(refused > 10);
 }
 
-TEST_CASE("the largest worlds that an experiment may ask for fit on the wire") {
+TEST_CASE("the largest worlds that an experiment can ask for fit on the wire") {
   nlohmann::json largest{{"steps", 10'000}, {"window_m", 10'000}, {"route_spacing_m", 1}, {"route_start_x_m", -5000}};
   largest.update({{"height_min_m", 30}, {"height_max_m", 30 + 0.1 * (limits::heights - 1)}});
   largest.update({{"height_step_m", 0.1}, {"height_resolution_m", 0.1}});

@@ -55,7 +55,7 @@ class Draw {
     return std::get<std::string>(spec.default_value);
   }
 
-  /// Some parameters of a table, but for those in `except`.
+  /// Some parameters of a table, without those in `except`.
   Json some_of(std::span<const ParameterSpec> table, double share, const std::vector<std::string>& except = {}) {
     Json values = Json::object();
     for (const ParameterSpec& spec : table)
@@ -69,7 +69,7 @@ class Draw {
   RandomStream random_;
 };
 
-/// Heights that divide as they must, mostly.
+/// Sets heights that mostly divide as they must.
 void put_heights(Draw& draw, bool small, Json& world) {
   const double base_m = draw.between(1, 200);
   const double step_m = draw.one_of<double>({0.1, 0.5, 1, 10, 100, 1000});
@@ -82,7 +82,7 @@ void put_heights(Draw& draw, bool small, Json& world) {
   world["height_resolution_m"] = step_m / parts;
 }
 
-/// A route that ends within the city, mostly.
+/// Sets a route that mostly ends within the city.
 void put_route(Draw& draw, bool small, Json& world) {
   const double window_m = draw.between(100, small ? 3'000 : 10'000);
   const int steps = draw.whole(1, small ? 30 : 10'000);
@@ -107,14 +107,14 @@ Json generated_world(Draw& draw, bool small) {
   world["bs_density_per_km2"] = draw.between(std::clamp(10.0 / area_km2, 0.1, most), most);
   if (!world.contains("building_density_per_km2") || small)
     world["building_density_per_km2"] = draw.between(0, small ? 100 : 2000);
-  if (draw.chance(0.7)) {  // else it may ask for more than there are
+  if (draw.chance(0.7)) {  // otherwise more candidates than base stations are possible
     world.erase("candidates");
     world["min_base_stations"] = 6;
   }
   return world;
 }
 
-/// Columns as they may be, and now and then as they may not.
+/// A measured world whose columns are mostly valid.
 Json measured_world(Draw& draw, bool small, const std::filesystem::path& file) {
   const bool long_flight = !small && draw.chance(0.2);
   const int heights = draw.whole(2, long_flight ? 70 : 40);
@@ -136,7 +136,7 @@ Json measured_world(Draw& draw, bool small, const std::filesystem::path& file) {
   return {{"kind", "measured"}, {"file", file.string()}};
 }
 
-/// One of the agents that this program can make, with some of its parameters; never one that learns for long.
+/// One of this program's agents with some of its parameters; never one that trains for long.
 Json agent(Draw& draw, std::size_t number) {
   static const std::vector<std::string> slow{
       "epochs",          "hidden_width",     "hidden_layers",           "minibatch",

@@ -6,8 +6,8 @@
 
 namespace aloft::test {
 
-/// The text of an experiment drawn at random: values from the whole range of every parameter, its ends most of all, in
-/// combinations of which `aloft validate` takes many and refuses others.
+/// The text of a random experiment: values from the whole range of every parameter, preferably its ends, in
+/// combinations that `aloft validate` partly accepts and partly refuses.
 struct RandomExperiment {
   nlohmann::json json;
   bool small = false;  ///< flies in a moment

@@ -1,5 +1,5 @@
-// The JSON Schema, by which editors judge experiment files, and the programs' own checks accept and refuse the same
-// files: accepted files are changed in one place, and both are asked.
+// The JSON Schema, which editors use, and the programs' own checks accept and refuse the same experiment files. The
+// test changes accepted files in one place and compares both verdicts.
 #include "common/experiment/schema.hpp"
 
 #include <rapidcheck.h>
@@ -26,39 +26,39 @@ namespace {
 using Json = nlohmann::json;
 using Pointer = Json::json_pointer;
 
-/// Which parameters a world has depends on its channel model; here is a second one, which nobody flies with.
+/// The parameters of a world depend on its channel model. This second model is registered to test that, not to fly.
 const bool other_model_registered =
     radio::register_link_model({.name = "other-model",
                                 .description = "For this test.",
                                 .parameters = {number_parameter("other_loss_db", 20.0, 0.0, 60.0, "For this test.")}});
 
-/// What the checks refuse and no schema can say; the messages they do it with. Nothing else may differ.
+/// Messages of the checks for rules that a schema cannot express. Only for these may the verdicts differ.
 bool no_schema_can_say(const std::string& message) {
   static const std::vector<std::regex> rules{
       // heights, route and base stations of one world against each other
       std::regex("height_m(ax|in)_m: .* is below|is no multiple of|does not divide|makes more than .* heights"),
       std::regex(
           "leaves the city|is more than half of window_m|is too few for .* candidates|only one in .* cities has"),
-      // names: of which another stands elsewhere, that take too many bytes, or that no terminal should print
+      // names that are used twice, take too many bytes, or hold control characters
       std::regex(
           "stands already at|are both named|is in this crew already|is not the agent that has this name elsewhere"),
       std::regex("is the name of another type|agent name .* is not allowed; use 1 to|printable and on one line"),
       // parameters of one agent against each other
       std::regex("replay_capacity .* is smaller than minibatch"),
-      // agents that this program does not know, and another may
+      // agents that only another program knows
       std::regex("unknown agent|write a number for"),
-      // agents against worlds and against each other
+      // agents together with worlds and with other agents
       std::regex("plans the whole route|looks at .* neighbour cells|would fly from step|would never fly"),
       std::regex("needs somebody who can take over|cannot be part of a relay|would have to be shown quality"),
       std::regex("which a crew member cannot|hears only what it is asked|a crew member is one agent"),
       std::regex("the first member flies from step 1|use more than the .* of an earlier member"),
       // products of lists
       std::regex("combinations, but|the sweep has more than|are too many; use at most|bytes when resolved"),
-      // what resolved experiments say of themselves
+      // keys that only resolved experiments have
       std::regex("swept: .* it stands only in resolved experiments"),
-      // files that are named, and what is in them
+      // named files and their content
       std::regex("\\.file: |cannot read"),
-      // 5.0 and 5 are one number to JSON Schema; a seed has 64 bits, which only the second form holds
+      // JSON Schema does not distinguish 5.0 from 5; only the second form can hold a seed of 64 bits
       std::regex("seed: -?[0-9]+[.e][0-9.e+]* is not allowed"),
   };
   return std::any_of(rules.begin(), rules.end(),
@@ -84,7 +84,7 @@ class Mutations {
     return values[random_.uniform_index(static_cast<std::uint32_t>(values.size()))];
   }
 
-  /// Forms that random experiments do not have.
+  /// Forms of experiments that are not drawn at random.
   void enrich(Json& file) {
     if (chance(0.3)) file["$schema"] = "experiment.schema.json";
     if (chance(0.3)) file["build"] = "0.1.0";
@@ -159,7 +159,7 @@ class Mutations {
     return all;
   }
 
-  /// A value becomes a list of it alone: the same experiment, written as a sweep.
+  /// Replaces a value by a list of this value: the same experiment, written as a sweep.
   void list_a_value(Json& object) {
     std::vector<std::string> keys;
     if (object.is_object())

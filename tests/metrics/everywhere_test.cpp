@@ -1,5 +1,5 @@
-// A row of the table of metrics (common/flight/metrics.hpp) is all that a metric takes: these tests add rows, and look
-// for them wherever flights are stored and shown.
+// A metric is one row of the table (common/flight/metrics.hpp): these tests add rows and look for them wherever flights
+// are stored and shown.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fcntl.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@ double height_max_m(const FlightRecord& record) {
   return max_m;
 }
 
-/// A real number with a unit, and a count that most flights do not know, as long as this lives.
+/// Adds two metrics as long as it lives: a real number with a unit, and a count that is unknown for most flights.
 class MoreMetrics {
  public:
   MoreMetrics() {
@@ -109,7 +109,7 @@ std::filesystem::path old_results(const test::ScratchDir& scratch) {
   return scratch / "old";
 }
 
-/// Every flight has the metrics of its own trace.
+/// Checks that every flight has the metrics of its trace.
 void check_more_metrics(const store::ResultStore& results) {
   REQUIRE(results.count() == 21);
   for (const store::FlightSummary& flight : results.flights()) {
@@ -197,18 +197,18 @@ TEST_CASE("a database of version 0.2.0 that is written again gets the columns th
   const auto before = store::ResultStore::open_for_reading(dir);
   const std::string digest = before.digest();
   { (void)store::ResultStore::open_for_writing(dir, before.experiment()); }
-  CHECK(format_of(dir) == 3);  // nothing new
+  CHECK(format_of(dir) == 3);  // no new columns
   {
     const MoreMetrics more;
     { (void)store::ResultStore::open_for_writing(dir, before.experiment()); }
     CHECK(format_of(dir) == 4);
-    check_more_metrics(before);  // whoever was reading goes on
+    check_more_metrics(before);  // a store that was open before can still be read
     const auto after = store::ResultStore::open_for_reading(dir);
     check_more_metrics(after);
     CHECK(after.digest() == digest);
     CHECK(after.count() == 21);
   }
-  // For programs that do not know these metrics it is a database of a newer version: to be read, not to be written.
+  // Programs without these metrics can read this database of a newer version, but not write it.
   const auto after = store::ResultStore::open_for_reading(dir);
   CHECK(after.digest() == digest);
   CHECK_THROWS_WITH(store::ResultStore::open_for_writing(dir, before.experiment()),

@@ -1,5 +1,5 @@
-// What .ci/run and tools/test.sh run, in what order, and that no failure is lost: with stand-ins for the programs they
-// call.
+// .ci/run and tools/test.sh run the right steps in the right order and lose no failure. Stand-ins replace the programs
+// that they call.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -14,8 +14,8 @@ using Catch::Contains;
 
 namespace {
 
-/// A checkout of scripts alone, in which cmake, ctest and tools/lint.sh only say how they were called, and ctest counts
-/// one test that was skipped. The call that contains `failing` fails.
+/// A checkout with the scripts only, in which cmake, ctest and tools/lint.sh print how they were called, and ctest
+/// counts one skipped test. The call that contains `failing` fails.
 class Scripts {
  public:
   explicit Scripts(const std::string& failing = "no call") {
@@ -37,7 +37,7 @@ class Scripts {
     }
   }
 
-  /// Runs a script of the checkout from the root folder, as a CI would.
+  /// Runs a script of the checkout from the file system's root, as a CI could.
   [[nodiscard]] Finished run(const std::string& command) const {
     return run_command(
         {"/bin/bash", "-c", "cd / && PATH=" + (root_ / "bin").string() + ":$PATH " + (root_ / command).string()});

@@ -1,5 +1,4 @@
-// Every command that a document shows is one that the programs take, and those of the README work in the order in which
-// they stand.
+// The programs accept every command that a document shows, and the commands of the README work in their order.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
@@ -18,14 +17,14 @@ using Catch::Contains;
 
 namespace {
 
-/// "aloft" for `aloft`, `build/bin/aloft` and the like, "aloft-metrics" for that program; empty for others.
+/// The name of the program, e.g. "aloft" for `build/bin/aloft`; empty if it is none of Aloft's.
 std::string program_of(const std::vector<std::string>& words) {
   static const std::regex program("aloft(-[a-z]+)*");
   const std::string name = words.empty() ? "" : fs::path(words.front()).filename().string();
   return std::regex_match(name, program) ? name : "";
 }
 
-/// Words up to a redirection or the next command of the same line; settings of the environment in front are left out.
+/// Words up to a redirection or the next command of the line, without environment variables in front.
 std::vector<std::string> command_words(const std::string& line) {
   std::vector<std::string> words = shell_words(line);
   while (!words.empty() && std::regex_match(words.front(), std::regex("[A-Z_]+=.*"))) words.erase(words.begin());
@@ -40,7 +39,7 @@ std::string place(const Document& document, int line) {
   return document.file.lexically_relative(source_dir()).string() + ":" + std::to_string(line) + ": ";
 }
 
-/// What `command --help` says.
+/// The output of `command --help`.
 const std::string& help_of(const std::string& command) {
   static std::map<std::string, std::string> known;
   std::string& help = known[command];
@@ -65,7 +64,7 @@ bool has_flag(const std::string& command, const std::string& flag) {
   return std::regex_search(help_of(command), std::regex("[ ,]" + flag + "([ =,\n]|$)"));
 }
 
-/// Everything that has a --help of its own.
+/// All programs and subcommands with a --help.
 std::vector<std::string> all_commands() {
   std::vector<std::string> all{"aloft",         "aloft keys init",       "aloft keys issue",     "aloft-environment",
                                "aloft-channel", "aloft-learning-agent",  "aloft-baseline-agent", "aloft-coordinator",
@@ -74,7 +73,7 @@ std::vector<std::string> all_commands() {
   return all;
 }
 
-/// Options that `words`, a piece of code inside a sentence, names and that nobody takes.
+/// Options in `words`, a piece of code inside a sentence, that no command accepts.
 std::vector<std::string> unknown_options(const std::vector<std::string>& words) {
   std::vector<std::string> unknown;
   const std::string program = program_of(words);
@@ -92,7 +91,7 @@ std::vector<std::string> unknown_options(const std::vector<std::string>& words) 
   return unknown;
 }
 
-/// How the test runs a command of the README that it cannot run as it stands.
+/// A command of the README that the test runs differently or not at all.
 struct Exception {
   std::string command;
   std::string instead;  ///< appended to the command; "-": not run at all
@@ -113,7 +112,7 @@ const std::vector<Exception> exceptions{
      "it needs a run in the air; tests/integration/swap_test.cpp has one"},
 };
 
-/// A copy of the checkout with this build, where commands of the README leave what they leave.
+/// A copy of the checkout with this build, in which the commands of the README write their files.
 class Copy {
  public:
   Copy() {
@@ -121,7 +120,7 @@ class Copy {
       fs::copy(source_dir() / entry, root_ / entry, fs::copy_options::recursive);
     fs::create_directories(root_ / "tools");
     fs::copy_file(source_dir() / "tools/quickstart.sh", root_ / "tools/quickstart.sh");
-    write_text(root_ / "tools/setup.sh", "#!/bin/sh\n");  // it is installed and built
+    write_text(root_ / "tools/setup.sh", "#!/bin/sh\n");  // everything is installed and built already
     fs::permissions(root_ / "tools/setup.sh", fs::perms::owner_all);
     fs::create_directory_symlink(bin_dir().parent_path(), root_ / "build");
     write_text(root_ / "grid.csv", read_text(source_dir() / "data/samples/measured_sample.csv"));
@@ -132,7 +131,7 @@ class Copy {
                                workspace::objects(flight.record(workspace::one_flight_per_level(flight))))));
   }
 
-  /// In bash, after the `export` lines that came before.
+  /// Runs a command in bash, after the `export` lines before it.
   [[nodiscard]] Finished run(const std::string& command) {
     if (command.starts_with("export ")) environment_ += command + "\n";
     return run_command({"/bin/bash", "-c", "cd '" + root_.path().string() + "'\n" + environment_ + command},
@@ -146,7 +145,7 @@ class Copy {
   std::string environment_;
 };
 
-/// Runs of the test must not meet others in DDS domain 0.
+/// Keeps the runs of the test apart from others in DDS domain 0.
 std::string with_domain(const std::string& command) {
   const std::vector<std::string> words = command_words(command);
   if (program_of(words) != "aloft" || words.size() < 2) return command;
@@ -155,7 +154,7 @@ std::string with_domain(const std::string& command) {
 
 }  // namespace
 
-TEST_CASE("every aloft command in a document's shell code is one that the programs take") {
+TEST_CASE("the programs accept every aloft command in the shell code of documents") {
   int commands = 0;
   for (const Document& document : all_documents())
     for (const Located& line : commands_of(document)) {
@@ -166,7 +165,7 @@ TEST_CASE("every aloft command in a document's shell code is one that the progra
       words.front() = program;
       for (std::string& word : words)  // experiments of the reader's own
         if (word.ends_with(".json") && !fs::exists(source_dir() / word)) word = "data/experiments/quick.json";
-      words.emplace_back("--unheard-of");  // so that nothing runs: an option that is unknown is told last
+      words.emplace_back("--unheard-of");  // an unknown option, so that nothing runs; it is reported last
       const Finished finished = run_command(words);
       INFO(place(document, line.line) << line.text);
       CHECK(finished.exit_code == 2);
@@ -188,7 +187,7 @@ TEST_CASE("every command and option that a document names in its text exists") {
     }
 }
 
-TEST_CASE("the commands of the README work in the order in which they stand") {
+TEST_CASE("the commands of the README work in their order") {
   const fs::path file = source_dir() / "README.md";
   const Document readme = parse_document(file, read_text(file));
   Copy copy;
@@ -210,7 +209,7 @@ TEST_CASE("the commands of the README work in the order in which they stand") {
     }
     const Finished finished = copy.run(with_domain(command));
     INFO("README.md:" << line.line << ": " << command << "\n" << finished.err);
-    // Whether this machine is fit is not for this test to say.
+    // This test does not judge the machine.
     const bool as_it_should = finished.exit_code == 0 || (line.text == "aloft doctor" && finished.exit_code == 1);
     CHECK(as_it_should);
   }

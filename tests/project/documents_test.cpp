@@ -1,4 +1,4 @@
-// Every Markdown document, as its readers see it: tables are tables, links lead somewhere, named files are there.
+// Every Markdown document as readers see it: tables show as tables, links have targets, named files exist.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <regex>
@@ -29,7 +29,7 @@ const Document* document_at(const std::vector<Document>& documents, const fs::pa
   return found == documents.end() ? nullptr : &*found;
 }
 
-/// Why a link of `document` leads nowhere; empty if it does.
+/// Why the target of a link in `document` does not exist; empty if it exists.
 std::string dead_end(const Document& document, const std::string& target, const std::vector<Document>& all) {
   if (is_address(target)) return well_formed_address(target) ? "" : "no well-formed address";
   const std::size_t hash = target.find('#');
@@ -42,13 +42,13 @@ std::string dead_end(const Document& document, const std::string& target, const 
   return other->anchors.contains(target.substr(hash + 1)) ? "" : "there is no such heading";
 }
 
-/// Such as "common/bus" and "tools/test.sh"; a file called x stands for any.
+/// True for paths such as "common/bus" and "tools/test.sh", but not for files called x, which are placeholders.
 bool is_path_of_checkout(const std::string& text) {
   static const std::regex path(R"((bench|common|data|deploy|docs|idl|services|tests|tools)/[A-Za-z0-9_./-]*)");
   return std::regex_match(text, path) && fs::path(text).stem() != "x";
 }
 
-/// Brace lists and wildcards of a shell are left to the eye of the reader.
+/// Words of a line of shell code without its comment. Brace lists and wildcards are not checked.
 std::vector<std::string> words_of(const std::string& line) {
   std::vector<std::string> words;
   std::istringstream stream(line.substr(0, line.find(" #")));
@@ -72,7 +72,7 @@ std::vector<Located> missing_paths(const Document& document) {
   return missing;
 }
 
-/// All that is wrong with `document`, one line each.
+/// All faults of `document`, one per line.
 std::vector<std::string> problems_of(const Document& document, const std::vector<Document>& all) {
   std::vector<std::string> problems;
   const auto note = [&](int line, const std::string& what) {
@@ -104,7 +104,7 @@ TEST_CASE("tables, links, images and named files of all documents are in order")
   CHECK(links > 20);
 }
 
-TEST_CASE("a document with faults is found out, line by line") {
+TEST_CASE("the faults of a document are found, with their lines") {
   const Document document = parse_document(source_dir() / "docs/made-up.md", R"(# A heading: *really*, `twice`
 # A heading: really, twice
 | no | delimiter |

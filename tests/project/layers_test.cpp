@@ -1,4 +1,4 @@
-// Arrows between folders point only down, as CONTRIBUTING.md draws them.
+// Folders include only folders of lower layers, as CONTRIBUTING.md draws them.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -47,7 +47,7 @@ Layers layers_in(const std::string& document) {
   return layers;
 }
 
-/// The folder of a file, or of an included one, that stands in the drawing: "common/radio" or "tools".
+/// The folder in the drawing to which a file or an included header belongs: "common/radio" or "tools".
 std::string layer_of(const std::string& path) {
   const std::size_t first = path.find('/');
   if (first == std::string::npos || path.substr(0, first) != "common") return path.substr(0, first);
@@ -58,7 +58,7 @@ bool is_test(const std::string& path) {
   return path.ends_with("_test.cpp");
 }
 
-/// What this source includes against the layers, one line each. A test may use what stands above it, and tests/.
+/// Includes of this source that break the layers, one per line. Tests can use higher layers and tests/.
 std::vector<std::string> wrong_includes(const std::string& path, const std::string& source, const Layers& layers) {
   static const std::regex include(R"re(\s*#include "([^"]+)".*)re");
   const std::string own = layer_of(path);
@@ -117,14 +117,14 @@ TEST_CASE("the build takes the folders of common/ in an order that fits the draw
   CHECK(before.contains("common/bus"));
 }
 
-TEST_CASE("no source includes what stands above its folder") {
+TEST_CASE("no source includes a higher layer") {
   const std::vector<std::string> paths = sources();
   CHECK(paths.size() > 400);
   for (const std::string& path : paths)
     for (const std::string& wrong : wrong_includes(path, read_text(source_dir() / path), drawn())) FAIL_CHECK(wrong);
 }
 
-TEST_CASE("an arrow that runs up or aside is found") {
+TEST_CASE("an include of a higher or neighbouring layer is found") {
   const Layers layers = layers_in(
       "tools/      the command line        -> services, common\n"
       "services/   one folder per program  -> common\n"
@@ -143,13 +143,13 @@ TEST_CASE("an arrow that runs up or aside is found") {
   CHECK(wrong("services/channel/main.cpp", "common/bus/wire.hpp") == 0);
   CHECK(wrong("services/channel/main.cpp", "tools/aloft/help.hpp") == 1);
   CHECK(wrong("tools/aloft/main.cpp", "services/runtime/service.hpp") == 0);
-  // Tests may look up, but not as far as the programs.
+  // Tests can include higher layers, but not the programs.
   CHECK(wrong("common/radio/map_test.cpp", "common/flight/flight.hpp") == 0);
   CHECK(wrong("common/radio/map_test.cpp", "tests/paths.hpp") == 0);
   CHECK(wrong("common/radio/map_test.cpp", "services/channel/map.hpp") == 1);
 }
 
-TEST_CASE("no service includes another one; what several need is a folder without a program") {
+TEST_CASE("no service includes another one; shared code is in folders without a program") {
   static const std::regex include(R"re(#include "services/(\w+)/)re");
   for (const std::string& path : sources()) {
     const std::string source = read_text(source_dir() / path);

@@ -38,7 +38,7 @@ std::string plain_text(cmark_node* node) {
   return text;
 }
 
-/// Inline nodes carry no line of their own, nor does a paragraph directly above a table.
+/// The line of the nearest block, since inline nodes and a paragraph just above a table have none.
 int line_of(cmark_node* node) {
   while (node != nullptr && cmark_node_get_start_line(node) == 0)
     node = cmark_node_next(node) != nullptr && cmark_node_get_start_line(cmark_node_next(node)) != 0
@@ -47,7 +47,7 @@ int line_of(cmark_node* node) {
   return node == nullptr ? 0 : cmark_node_get_start_line(node);
 }
 
-/// Lower case, spaces as hyphens, punctuation dropped, and a number for those that were there before.
+/// The anchor of a heading: lower case, hyphens for spaces, no punctuation, and a number if it occurred before.
 std::string anchor_of(const std::string& heading, const std::set<std::string>& taken) {
   std::string anchor;
   for (const char c : heading) {
@@ -63,26 +63,26 @@ std::string anchor_of(const std::string& heading, const std::set<std::string>& t
   return anchor + "-" + std::to_string(number);
 }
 
-/// Bars that separate cells: those that no backslash precedes.
+/// Number of bars that separate cells, which are those without a backslash before them.
 std::ptrdiff_t bars_in(const std::string& line) {
   std::ptrdiff_t bars = std::count(line.begin(), line.end(), '|');
   for (std::size_t at = 0; (at = line.find("\\|", at)) != std::string::npos; ++at) --bars;
   return bars;
 }
 
-/// The renderer silently drops cells for which the heading has no column, and adds empty ones.
+/// Finds rows whose number of cells differs from the heading's; the renderer silently drops or adds cells.
 void check_table(cmark_node* table, const std::vector<std::string>& lines, Document& document) {
   ++document.tables;
   std::ptrdiff_t columns = 0;
   for (int line = cmark_node_get_start_line(table); line <= cmark_node_get_end_line(table); ++line) {
     const std::ptrdiff_t bars = bars_in(lines.at(static_cast<std::size_t>(line) - 1));
-    if (columns == 0) columns = bars;  // a table begins with the text above it, if no empty line is between
+    if (columns == 0) columns = bars;  // a table node includes text just above the table
     if (bars != columns)
       document.broken_tables.push_back({line, "a row with more or fewer cells than the heading of its table"});
   }
 }
 
-/// A table without its delimiter row is a paragraph.
+/// Finds tables without a delimiter row, which show as a paragraph.
 void check_paragraph(cmark_node* paragraph, Document& document) {
   bool begins = true;
   for (cmark_node* part = cmark_node_first_child(paragraph); part != nullptr; part = cmark_node_next(part)) {

@@ -7,7 +7,7 @@
 
 namespace aloft::test {
 
-/// A piece of a document, and the line on which it stands.
+/// A piece of a document, and its line.
 struct Located {
   int line = 0;
   std::string text;
@@ -28,7 +28,7 @@ struct Document {
   std::vector<CodeBlock> code_blocks;
   std::set<std::string> anchors;  ///< of the headings, as GitHub makes them
   int tables = 0;
-  std::vector<Located> broken_tables;  ///< what is wrong, for those that do not show as they are meant
+  std::vector<Located> broken_tables;  ///< the fault of each table that does not show as meant
 };
 
 [[nodiscard]] Document parse_document(const std::filesystem::path& file, const std::string& text);

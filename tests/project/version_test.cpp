@@ -1,4 +1,4 @@
-// The version is the same wherever it stands.
+// The version is the same in all places.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -24,7 +24,7 @@ Version numbers(const std::string& text) {
 }
 
 struct Entry {
-  std::string version;  ///< "Unreleased" for what has no version yet
+  std::string version;  ///< "Unreleased" for changes since the last release
   std::string date;
   std::vector<std::string> kinds;  ///< of changes
   int changes = 0;

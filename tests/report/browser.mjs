@@ -107,7 +107,7 @@ export class Browser {
   async close() {
     const ended = new Promise((resolve) => { this.process.on('exit', resolve); });
     delete this.session;
-    this.#send('Browser.close').catch(() => {});  // lets its helpers end too, so that nobody writes into the profile any more
+    this.#send('Browser.close').catch(() => {});  // ends its helper processes too, so that none writes into the profile any more
     const hung = setTimeout(() => this.process.kill('SIGKILL'), 5000);
     await ended;
     clearTimeout(hung);

@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t seed = 20221;
 
 /// Expected means over trials, bit/s/Hz, from two independent implementations of the model (3,000-4,000 trials); the
-/// gain of the height filter over min-height from 4,000 worlds, NaN where it is not known.
+/// gain of the height filter over min-height from 4,000 worlds, NaN if unknown.
 struct Expected {
   Densities densities;
   double random_walk;

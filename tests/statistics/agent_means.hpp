@@ -8,7 +8,7 @@
 
 namespace aloft::statistics {
 
-/// A condition of the table of expected means.
+/// The densities of a condition in the table of expected means.
 struct Densities {
   double bs_per_km2;
   double buildings_per_km2;
@@ -19,8 +19,8 @@ struct Sample {
   double sd = 0.0;
   std::uint32_t trials = 0;
 
-  /// How far a mean over so many trials may lie from the true one: three standard errors + 0.1, the accuracy to which
-  /// the expected means are known.
+  /// Largest deviation of a mean over so many trials from the expected one: three standard errors + 0.1, which is the
+  /// accuracy of the expected means.
   [[nodiscard]] double tolerance() const;
 };
 

@@ -41,15 +41,15 @@ struct Memories {
 
 /// An agent that this process hosts, and whose flights it takes part in.
 struct Role {
-  const agents::AgentSpec* entry;              ///< of the experiment
-  const agents::AgentSpec* agent;              ///< the entry's own, or of its crew
-  const agents::CrewMember* member = nullptr;  ///< of the entry's crew
+  const agents::AgentSpec* entry;              ///< in the experiment
+  const agents::AgentSpec* agent;              ///< the entry itself, or a member of its crew
+  const agents::CrewMember* member = nullptr;  ///< set if the entry is a relay
 };
 
 /// One agent at one stream.
 struct Seat {
   const agents::AgentSpec* entry;
-  std::unique_ptr<RelaySeat> crew;  ///< null: it flies alone
+  std::unique_ptr<RelaySeat> crew;  ///< null if the entry is no relay
   Pilot pilot;
 };
 
@@ -78,7 +78,7 @@ struct AgentHost::State {
       publish_status(wire::AGENT_READY);
       next_status = Clock::now() + status_period;
     }
-    pool.reset();  // thoughts that have not begun are dropped, the others waited for
+    pool.reset();  // drops tasks that have not begun, waits for the others
     publish_status(wire::AGENT_STOPPED);
   }
 
@@ -105,7 +105,7 @@ struct AgentHost::State {
     roles.push_back(role);
     spdlog::info("serves agent {}{}", spec.name, role.member == nullptr ? "" : " in the crew of " + role.entry->name);
     if (role.member != nullptr && !followed) followed.emplace(participant);
-    // Only a process that serves a privileged agent joins the partition where the future is told.
+    // Only a process that serves a privileged agent joins the partition of the height profiles: they show the future.
     if (type.privilege != agents::Privilege::none && !profiles) {
       profiles.emplace(participant);
       waiter.add(*profiles);
@@ -130,7 +130,7 @@ struct AgentHost::State {
         if (memory.agent() == seat->pilot.spec().name && seat->pilot.remember(memory)) resume(*seat);
   }
 
-  /// Asked again with every repetition of the report that waits for it.
+  /// The request is repeated with every repetition of the report that waits for the memory.
   void ask_for_memory(const Pilot& pilot) {
     if (pilot.thinking() || !pilot.wanted_memory()) return;
     wire::MemoryRequest request;
@@ -153,16 +153,16 @@ struct AgentHost::State {
     }
   }
 
-  /// Profiles may overtake the first report of a stream.
+  /// Profiles can arrive before the first report of a stream.
   void early_profiles(const wire::HeightProfile& profile) {
     constexpr std::size_t max_early = 8192;
-    if (early.size() == max_early) early.clear();  // the channel sends again what is missed
+    if (early.size() == max_early) early.clear();  // the channel repeats profiles with its report
     early.push_back(profile);
   }
 
   using Seats = std::vector<std::unique_ptr<Seat>>;
 
-  /// Those of our agents that the report may concern; whoever is new takes a seat.
+  /// The seats of our agents that the report can concern; made when the stream begins a flight of another entry.
   const Seats& take_seats(const wire::ChannelReport& report) {
     static const Seats nobody;
     const auto& flown_by = report.relay() == "" ? report.agent() : report.relay();
@@ -223,7 +223,7 @@ struct AgentHost::State {
     if (verdict == Verdict::hand_over) memories->handed_over.write(seat.pilot.memory());
   }
 
-  /// As one of a crew.
+  /// A member of a crew commands if it is asked or takes over; if it is not asked, it reports that it has followed.
   void answer(RelaySeat& crew, wire::HeightCommand& command) {
     const bool unknown = command.action() == wire::ACTION_UNKNOWN_FLIGHT;
     if (crew.asked() || (crew.commands() && !unknown)) crew.command(command);
@@ -238,7 +238,7 @@ struct AgentHost::State {
     followed->write(message);
   }
 
-  /// Height commands are written here and nowhere else: by the loop.
+  /// Only this loop writes height commands; the threads of the pool never do.
   void finish_thoughts() {
     std::vector<Seat*> done;
     {
@@ -306,7 +306,7 @@ struct AgentHost::State {
 
   std::mutex finished_mutex;
   std::vector<Seat*> finished;
-  std::optional<boost::asio::thread_pool> pool;  // last: its threads use what stands above
+  std::optional<boost::asio::thread_pool> pool;  // last: its threads use the members above
 };
 
 AgentHost::AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop)

@@ -12,14 +12,14 @@
 namespace aloft::agent_host {
 
 struct AgentHostOptions {
-  agents::Host host{};                ///< serve the types that this process flies
-  unsigned threads = 0;               ///< agents think in so many threads; 0: in the loop itself
-  std::uint32_t strength = 10;        ///< of the height commands: the strongest live process flies
+  agents::Host host{};                ///< agents of this host's types are served
+  unsigned threads = 0;               ///< for the agents' computations; 0: they run in the loop itself
+  std::uint32_t strength = 10;        ///< DDS ownership strength: the strongest live process flies
   std::vector<std::string> agents{};  ///< serve only these; empty: all
 };
 
-/// Serves every agent of the running experiment that is of its kind, on every stream of its worker, until the run ends
-/// or a stop is requested.
+/// Serves every agent of the running experiment whose type belongs to its host, on every stream of its worker, until
+/// the run ends or a stop is requested.
 class AgentHost {
  public:
   AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop);

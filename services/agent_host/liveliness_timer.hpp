@@ -9,12 +9,12 @@
 
 namespace aloft::agent_host {
 
-/// Proves ten times a second that this process lives, also while an agent thinks for long.
+/// Asserts the liveliness of its writers ten times a second, also while an agent computes for long.
 class LivelinessTimer {
  public:
   using Commands = bus::Writer<wire::HeightCommand>;
 
-  /// From now until remove(); from any thread.
+  /// Asserts this writer until remove(). Both can be called from any thread.
   void add(Commands& writer);
   void remove(Commands& writer);
 
@@ -24,7 +24,7 @@ class LivelinessTimer {
   std::mutex mutex_;
   std::condition_variable_any stopped_;
   std::vector<Commands*> writers_;
-  std::jthread thread_{[this](const std::stop_token& stop) { work(stop); }};  // last: it uses what stands above
+  std::jthread thread_{[this](const std::stop_token& stop) { work(stop); }};  // last: it uses the members above
 };
 
 }  // namespace aloft::agent_host

@@ -17,13 +17,12 @@ namespace aloft::agent_host {
   return static_cast<std::int32_t>(a - b) < 0;
 }
 
-/// What an agent has to think about next. Self-contained, so that it may run in another thread.
+/// An agent's next computation. Self-contained, so that it can run in another thread.
 struct Task {
   const agents::AgentSpec* spec = nullptr;
   std::unique_ptr<agents::Agent> agent;  ///< made by run() if a flight begins
-  std::string
-      memory;  ///< before a flight: of an earlier one, if any; after it: what the agent will remember, if it does
-  std::optional<agents::FlightInfo> begins;  ///< set: a new flight
+  std::string memory;  ///< before a flight: that of an earlier one, or empty; after it: what the agent will remember
+  std::optional<agents::FlightInfo> begins;  ///< set if a new flight begins
   std::vector<agents::HeightProfile> profiles;
   agents::Observation observation;
   std::optional<agents::Command> command;  ///< the result; none after the last report
@@ -35,43 +34,44 @@ struct Task {
 /// Which report an agent may begin a flight with.
 struct Boarding {
   std::uint32_t first_step = 0;
-  bool late = false;  ///< or any later one, and again after it has missed some
+  bool late = false;  ///< any later report will do, too, also after missed ones
 };
 
 /// One agent on one stream: which flight, which step, what was answered. Handles every report exactly once, however
-/// often it comes. No bus, no clock; from one thread.
+/// often it arrives. No bus, no clock; to be used from one thread.
 class Pilot {
  public:
   /// `spec` must outlive the pilot.
   Pilot(const agents::AgentSpec& spec, std::uint32_t stream, Boarding boarding = {});
 
   enum class Verdict : std::uint8_t {
-    nothing,    ///< stale, a repetition of what is being thought about, or a profile is still missing
+    nothing,    ///< a stale report, a repetition while its task runs, or a profile or memory is missing
     answer,     ///< send answer()
     think,      ///< run task(), then call finish()
     hand_over,  ///< send memory(): the flight is over, and the agent will need it later
   };
-  /// Of the pilot's agent.
+  /// An earlier flight of the pilot's agent.
   struct EarlierFlight {
     std::uint32_t condition = 0;
     std::uint32_t trial = 0;
     bool operator==(const EarlierFlight&) const = default;
   };
 
-  /// A report for this agent. While a task runs, and while a profile or a memory is missing, reports are kept for
-  /// resume().
+  /// Handles a report for this agent. While a task runs, and while a profile or a memory is missing, reports are kept
+  /// for resume().
   Verdict offer(const wire::ChannelReport& report);
-  /// The reports that were kept, one per call; `nothing` when no more can be handled now.
+  /// Handles the reports that were kept, one per call; `nothing` when no more can be handled now.
   Verdict resume();
-  /// A profile, before or after the report that needs it; then call resume().
+  /// Takes a profile, which can arrive before or after the report that needs it; then call resume().
   void foresee(const wire::HeightProfile& profile);
-  /// The flight whose memory the next flight begins with: to be asked for whenever a report or resume() led to nothing.
+  /// The flight whose memory the next flight needs to begin, if it is missing: to be requested whenever offer() or
+  /// resume() returned `nothing`.
   [[nodiscard]] const std::optional<EarlierFlight>& wanted_memory() const noexcept { return wanted_; }
-  /// True if that memory was wanted; then call resume().
+  /// True if this is the wanted memory; then call resume().
   bool remember(const wire::StoredMemory& message);
 
   [[nodiscard]] Task& task() noexcept { return task_; }
-  /// The task has run. Answer: send answer(); nothing, hand_over: the flight is over.
+  /// To be called after the task has run. `answer`: send answer(); `nothing`, `hand_over`: the flight is over.
   Verdict finish();
 
   [[nodiscard]] wire::HeightCommand& answer() noexcept { return answer_; }
@@ -89,7 +89,7 @@ class Pilot {
  private:
   [[nodiscard]] bool boards_at(std::uint32_t step) const noexcept;
   [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
-  /// True if what the agent must remember is there; else it is wanted_memory().
+  /// True if the memory that the flight needs is there, or it needs none; else sets wanted_memory().
   bool recall(const wire::ChannelReport& report);
   [[nodiscard]] Verdict repeat(const wire::ChannelReport& report) const;
   Verdict think(const wire::ChannelReport& report, bool begins);
@@ -102,9 +102,9 @@ class Pilot {
   Boarding boarding_;
   Task task_;
   wire::HeightCommand answer_;
-  wire::FlightMemory handed_over_;         // after the latest flight, if it is over
-  std::optional<EarlierFlight> wanted_;    // whose memory is missing
-  std::optional<EarlierFlight> recalled_;  // whose memory is memory_
+  wire::FlightMemory handed_over_;         // of the latest flight, once it is over
+  std::optional<EarlierFlight> wanted_;    // flight whose memory is missing
+  std::optional<EarlierFlight> recalled_;  // flight that memory_ belongs to
   std::string memory_;
   std::vector<wire::ChannelReport> kept_;
   std::map<std::uint32_t, agents::HeightProfile> profiles_;  // of attempt profiles_attempt_

@@ -1,4 +1,4 @@
-// One stream's side of the conversation, without a bus: every report is thought about once.
+// The agent's side of the lock-step protocol on one stream, without a bus: every report is handled once.
 #include "services/agent_host/pilot.hpp"
 
 #include <catch2/catch.hpp>
@@ -70,7 +70,7 @@ wire::StoredMemory memory_of(std::uint32_t condition, std::uint32_t trial, std::
   return message;
 }
 
-/// Thinks, as the host does.
+/// Runs the task, as the host does.
 void think(Pilot& pilot) {
   pilot.task().run();
   REQUIRE(pilot.finish() == Verdict::answer);
@@ -82,7 +82,7 @@ TEST_CASE("a flight from the first to the last report; repetitions get the same 
   const agents::AgentSpec agent = spec("constant-60");
   Pilot pilot(agent, 7);
   REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
-  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);  // it is being thought about
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);  // its task is still running
   think(pilot);
   CHECK(pilot.answer().step() == 1);
   CHECK(pilot.answer().action() == wire::ACTION_UP);
@@ -129,7 +129,7 @@ TEST_CASE("a crew member comes aboard with the report of its step, and with no o
   CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
 }
 
-TEST_CASE("where the flight depends on nobody, a crew member comes aboard at any step, and again after a gap") {
+TEST_CASE("with failover, a crew member comes aboard at any step, and again after missed reports") {
   const agents::AgentSpec agent = spec("constant-60");
   Pilot pilot(agent, 7, {.first_step = 0, .late = true});
   REQUIRE(pilot.offer(report(1, 3, 9)) == Verdict::think);
@@ -145,17 +145,17 @@ TEST_CASE("where the flight depends on nobody, a crew member comes aboard at any
   CHECK(pilot.offer(report(1, 6, 9)) == Verdict::nothing);
 }
 
-TEST_CASE("a new attempt starts afresh, and what comes late from the old one is ignored") {
+TEST_CASE("a new attempt is a new flight, and late messages of the old one are ignored") {
   const agents::AgentSpec agent = spec("min-height");
   Pilot pilot(agent, 7);
   REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
-  CHECK(pilot.offer(report(2, 0)) == Verdict::nothing);  // kept until the thought has ended
+  CHECK(pilot.offer(report(2, 0)) == Verdict::nothing);  // kept until the task has run
   think(pilot);
   REQUIRE(pilot.resume() == Verdict::think);
   think(pilot);
   CHECK(pilot.answer().attempt() == 2);
   CHECK(pilot.offer(report(1, 1)) == Verdict::nothing);
-  CHECK(pilot.offer(report(0xFFFFFFFF, 1)) == Verdict::nothing);  // older, counted around zero
+  CHECK(pilot.offer(report(0xFFFFFFFF, 1)) == Verdict::nothing);  // older: the numbers wrap around
 }
 
 TEST_CASE("a report waits for the profile that it needs") {
@@ -168,7 +168,7 @@ TEST_CASE("a report waits for the profile that it needs") {
   CHECK(pilot.task().profiles.size() == 1);
   think(pilot);
   CHECK(pilot.answer().action() == wire::ACTION_UP);  // the best height is 60 m
-  pilot.foresee(profile(1, 1));                       // comes again: of no use any more
+  pilot.foresee(profile(1, 1));                       // a repetition, no longer needed
   CHECK(pilot.offer(report(1, 1)) == Verdict::nothing);
   pilot.foresee(profile(1, 2));
   REQUIRE(pilot.resume() == Verdict::think);
@@ -190,7 +190,7 @@ TEST_CASE("an agent that plans the route waits for all profiles once, whatever t
   CHECK(pilot.task().profiles.empty());
 }
 
-TEST_CASE("an agent with a memory hands it over after its flight, and needs that of the flight before") {
+TEST_CASE("an agent with a memory hands it over after its flight, and needs it before the next one") {
   const agents::AgentSpec agent = lifelong();
   Pilot first(agent, 7);
   REQUIRE(first.offer(report_of_trial(0, 1, 0)) == Verdict::think);  // the first of its lineage
@@ -221,7 +221,7 @@ TEST_CASE("an agent with a memory hands it over after its flight, and needs that
   CHECK(second.resume() == Verdict::nothing);
 }
 
-TEST_CASE("an agent that lost its memory before handing it over flies again; a bad one is not flown with") {
+TEST_CASE("a memory lost before it is handed over makes the agent fly again; an unreadable one is refused") {
   const agents::AgentSpec agent = lifelong();
   Pilot restarted(agent, 7);
   REQUIRE(restarted.offer(report_of_trial(0, 1, 1)) == Verdict::answer);
@@ -234,7 +234,7 @@ TEST_CASE("an agent that lost its memory before handing it over flies again; a b
   REQUIRE(pilot.resume() == Verdict::think);
   think(pilot);
   CHECK(pilot.answer().action() == wire::ACTION_UNKNOWN_FLIGHT);
-  CHECK(pilot.offer(report_of_trial(1, 3, 0)) == Verdict::nothing);  // the next attempt asks anew
+  CHECK(pilot.offer(report_of_trial(1, 3, 0)) == Verdict::nothing);  // the next attempt requests it again
   CHECK(pilot.wanted_memory());
 }
 

@@ -5,8 +5,8 @@
 namespace aloft::agent_host {
 namespace {
 
-// A writer that lowers its strength is not believed at once, so who is asked has to be stronger than anybody before.
-// Reports are ordered by attempt and step (at most 10,000).
+// Readers notice late that a writer lowers its strength, so the member that is asked has to be stronger than every
+// member before it: its strength grows with the attempt and the step (at most 10,000) of its report.
 constexpr unsigned step_bits = 14;
 constexpr std::uint32_t attempts_told_apart = 1U << 17U;
 
@@ -44,7 +44,7 @@ void RelaySeat::claim(const wire::ChannelReport& report) {
   claim.stream(report.stream());
   claim.episode_id(report.episode_id());
   claim.attempt(report.attempt());
-  claim.step(report.step() == 0 ? 2 : report.step());  // not the one that is asked for
+  claim.step(report.step() == 0 ? 2 : report.step());  // not the step that is asked for: the channel ignores it
   claim.agent(report.agent());
   claim.action(wire::ACTION_HOLD);
   writer_.write(claim);

@@ -10,13 +10,13 @@
 
 namespace aloft::agent_host {
 
-/// What a crew member needs beyond a pilot: a writer of commands for its stream alone, whose strength says whether it
-/// flies there. The strongest live writer of a stream is heard: who is asked makes its own stronger than any before,
-/// the others stand by in the order of the crew.
+/// What a crew member needs beyond a pilot: a writer of commands for its stream alone. DDS delivers what the strongest
+/// live writer of a stream writes: the member that is asked makes its writer stronger than all before, the others
+/// stand by, their strengths in the order of the crew.
 class RelaySeat {
  public:
-  /// `stands_by`: answers also when another is asked and does not; the middleware lets that pass once the other's
-  /// liveliness has run out.
+  /// `stands_by`: also answers reports that another member is asked to answer and does not; the middleware delivers
+  /// these answers once the liveliness of the other's writer has expired.
   RelaySeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
             const agents::CrewMember& member, bool stands_by);
   ~RelaySeat();
@@ -25,18 +25,18 @@ class RelaySeat {
 
   /// Which reports the member may begin a flight with.
   [[nodiscard]] Boarding boarding() const noexcept;
-  /// Notes who is asked, and takes or gives up the stream. False if the report is none of the member's.
+  /// Notes which member is asked, and takes or gives up the stream. False if the report does not concern this member.
   bool hear(const wire::ChannelReport& report, const Pilot& pilot);
   /// The member has been asked for the command that follows the latest report.
   [[nodiscard]] bool asked() const noexcept { return asked_; }
-  /// The member should command: it is asked, or somebody else is and does not answer.
+  /// The member should command: it is asked, or another member is and does not answer.
   [[nodiscard]] bool commands() const noexcept { return asked_ || (stands_by_ && repeated_); }
   void command(wire::HeightCommand& command) { writer_.write(command); }
 
  private:
   [[nodiscard]] std::uint32_t standby_strength() const noexcept;
-  /// A writer owns only streams that it has written to. This keeps those who stand by from being heard while the agent
-  /// thinks about its first command; the channel executes nothing for it.
+  /// A writer owns only streams that it has written to. This command, which the channel ignores, makes the stream the
+  /// member's before it has computed its first one: else commands of members that stand by would be delivered.
   void claim(const wire::ChannelReport& report);
 
   LivelinessTimer& liveliness_;
@@ -45,7 +45,7 @@ class RelaySeat {
   bool stands_by_;
   bool asked_ = false;
   bool repeated_ = false;
-  bool heard_ = false;  // a report; the latest is attempt_, step_
+  bool heard_ = false;  // has received a report; the latest is attempt_, step_
   std::uint32_t attempt_ = 0;
   std::uint32_t step_ = 0;
   bus::Writer<wire::HeightCommand> writer_;

@@ -1,4 +1,4 @@
-// What the host of agents relies on when it thinks in Boost.Asio's thread pool.
+// What the agent host relies on in Boost.Asio's thread pool.
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <catch2/catch.hpp>
@@ -17,7 +17,7 @@ constexpr auto limit = 30s;  // of every wait: far more than it takes
 
 }  // namespace
 
-TEST_CASE("a long thought does not hold up another episode's while a thread is free", "[thread_pool]") {
+TEST_CASE("a long task does not delay another one while a thread is free", "[thread_pool]") {
   std::promise<void> second_is_done;
   std::promise<bool> first_saw_it;
   ThreadPool pool(2);
@@ -28,7 +28,7 @@ TEST_CASE("a long thought does not hold up another episode's while a thread is f
   CHECK(seen.get());
 }
 
-TEST_CASE("one thread thinks for one episode at a time, in the order of their reports", "[thread_pool]") {
+TEST_CASE("one thread runs one task at a time, in the order in which they were posted", "[thread_pool]") {
   std::vector<int> order;
   std::promise<void> last;
   ThreadPool pool(1);
@@ -38,7 +38,7 @@ TEST_CASE("one thread thinks for one episode at a time, in the order of their re
   for (int i = 0; i < 100; ++i) CHECK(order.at(static_cast<std::size_t>(i)) == i);
 }
 
-TEST_CASE("thoughts that have not begun are dropped with the pool", "[thread_pool]") {
+TEST_CASE("tasks that have not begun are dropped with the pool", "[thread_pool]") {
   std::promise<void> started;
   std::promise<void> go_on;
   bool second = false;

@@ -13,11 +13,11 @@ namespace aloft::channel {
 
 using Clock = std::chrono::steady_clock;
 
-/// What an agent is shown of the future. Our own: what its type declares; a foreign one: what it asks for. InputError
-/// if the experiment does not allow it that much: its results would be marked as those of an agent that sees less.
+/// How much of the future an agent is shown: an agent of ours what its type declares, a foreign agent what it asks for.
+/// InputError if it asks for more than the experiment allows: its results would be marked with too low a privilege.
 [[nodiscard]] agents::Privilege granted(const agents::AgentSpec& spec, wire::Privilege asked_for);
 
-/// Which agents of this worker are there, from what they say about themselves, and which were.
+/// Which agents of this worker are there, from their status messages, and which are lost.
 class AgentDirectory {
  public:
   struct Entry {
@@ -29,25 +29,25 @@ class AgentDirectory {
 
   /// Returns true if the agent was not there before.
   bool update(const wire::AgentStatus& status, Clock::time_point now);
-  /// Returns the names of those that have been silent for 3 s since the last call, by their process: they are lost
-  /// until they speak again.
+  /// Counts agents as lost that have sent no status for 3 s, until their next one. Returns the names of those lost
+  /// since the last call, by process.
   std::map<std::string, std::vector<std::string>> expire(Clock::time_point now);
 
-  /// A flight needs this agent, which is not there.
+  /// Notes that a flight needs this agent, which is not there.
   void miss(std::string_view agent, Clock::time_point now);
-  /// Whether flights have waited long enough for this agent: 3 s after it was missed first, until it speaks again.
+  /// Whether flights have waited long enough for this agent: 3 s after the first miss(), until its next status.
   [[nodiscard]] bool waited_long(std::string_view agent, Clock::time_point now) const;
 
   /// Null if the agent is not there.
   [[nodiscard]] const Entry* find(std::string_view agent) const;
-  /// Of the agents that a flight of `spec` needs, those that are not there.
+  /// The agents that a flight of `spec` needs and that are not there.
   [[nodiscard]] std::vector<std::string> absent(const agents::AgentSpec& spec) const;
-  /// All of them, the lost ones too; at most as many as fit into a WorkerStatus.
+  /// The latest status of every agent, lost ones included; at most as many as fit into a WorkerStatus.
   [[nodiscard]] std::vector<wire::AgentNews> news(Clock::time_point now) const;
 
  private:
   std::map<std::string, Entry, std::less<>> agents_;
-  std::map<std::string, Clock::time_point, std::less<>> missed_;  // since when
+  std::map<std::string, Clock::time_point, std::less<>> missed_;  // by agent: since when
 };
 
 }  // namespace aloft::channel

@@ -33,7 +33,7 @@ TEST_CASE("a foreign agent sees what it asks for, and no more than the experimen
   CHECK_THROWS_AS(granted(spec_of({{"type", "external"}, {"name", "visitor"}}), wire::PRIVILEGE_NEXT_STEP), InputError);
 }
 
-TEST_CASE("the agents that a flight needs and that are not there are named, of a relay its crew") {
+TEST_CASE("agents that a flight needs and that are not there are named; for a relay, members of its crew") {
   AgentDirectory directory;
   const auto relay = spec_of({{"type", "relay"},
                               {"name", "both"},

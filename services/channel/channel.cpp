@@ -38,7 +38,7 @@ double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-/// Attempts must differ from those of a channel that this one replaces: they count on from the time of day.
+/// Attempts must differ from those of a channel that this one replaces: they count from the time of day.
 std::uint32_t first_attempt() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
@@ -102,7 +102,7 @@ struct Channel::State {
                       std::chrono::milliseconds(0), status_period);
   }
 
-  /// Says that this worker leaves, so that its trials go to others at once; what it has flown still arrives.
+  /// Reports that this worker leaves, so that its trials go to others at once, and lets its last records arrive.
   void leave() {
     publish_status(0);
     statuses.wait_acknowledged(farewell_time);
@@ -201,7 +201,7 @@ struct Channel::State {
     go_on(episode, episode.accept(message, now), answer_s);
   }
 
-  /// `answer_s`: since the report that the command answers.
+  /// `answer_s`: time from the report to the command that answers it.
   void go_on(Episode& episode, Episode::Outcome outcome, double answer_s) {
     switch (outcome) {
       case Episode::Outcome::ignored:
@@ -239,7 +239,7 @@ struct Channel::State {
     if (episode != nullptr && episode->accept(memory) == Episode::Outcome::finished) land(*episode);
   }
 
-  /// Only what the run's own collector has stored is stored where the results belong.
+  /// Flights that another collector has stored are not among the run's results.
   void on_stored(const wire::EpisodeStored& message) {
     if (message.collector() != collector) return;
     const auto lease = outbox.settle(message.episode_id(), wire::view(message.digest()), now);
@@ -250,7 +250,7 @@ struct Channel::State {
     forget_if_done(*trial);
   }
 
-  /// A record that the collector will never store would be sent for ever: its trial fails instead.
+  /// The collector will never store this record, which would be sent without end: its trial fails instead.
   void on_refused(const wire::RecordRefused& message) {
     if (message.collector() != collector) return;
     const auto lease = outbox.settle(message.episode_id(), wire::view(message.digest()), now);
@@ -275,7 +275,7 @@ struct Channel::State {
     }
   }
 
-  /// `without`: those of its crew that are not there.
+  /// `without`: the members of its crew that are not there.
   void start(Trial& trial, const agents::AgentSpec& spec, const std::vector<std::string>& without) {
     const auto index = static_cast<std::size_t>(&spec - experiment->agents.data());
     agents::Privilege privilege = agents::Privilege::none;
@@ -369,7 +369,7 @@ struct Channel::State {
   /// Notes that a lease cannot be finished; the coordinator decides what happens to its trial.
   void fail(std::uint64_t lease, const std::string& reason) { failing.try_emplace(lease, reason); }
 
-  /// Gives up what failed, once nobody looks at its flights any more.
+  /// Gives up the failed leases. Not in fail(), whose callers still use their flights.
   void give_up() {
     for (const auto& [lease, reason] : failing) {
       spdlog::error("lease {}: {}", lease, reason);
@@ -379,7 +379,7 @@ struct Channel::State {
     failing.clear();
   }
 
-  // --- telling others ---
+  // --- status ---
 
   [[nodiscard]] std::uint32_t capacity() const {
     // One trial more than can fly, so that its world and map are ready in time; and trials that only wait for the
@@ -415,7 +415,7 @@ struct Channel::State {
     missing.update(facts, now);
   }
 
-  /// Notes which agents trials wait for; those for which they have waited long enough.
+  /// Notes which agents trials wait for, and returns those that they have waited long enough for.
   [[nodiscard]] std::vector<std::string> note_absent_agents() {
     std::vector<std::string> names;
     for (const Trial& trial : trials.all())
@@ -428,14 +428,14 @@ struct Channel::State {
     return names;
   }
 
-  /// Whether a relay has waited long enough for some of its crew, and may fly with the others.
+  /// Whether a relay has waited long enough for these members of its crew, and can fly with the others.
   [[nodiscard]] bool can_spare(const agents::AgentSpec& spec, const std::vector<std::string>& names) const {
     return experiment->on_agent_loss == experiment::OnAgentLoss::failover && names.size() < spec.crew.size() &&
            std::all_of(names.begin(), names.end(),
                        [&](const std::string& name) { return agents.waited_long(name, now); });
   }
 
-  /// Null if nobody flies in this stream.
+  /// Null if there is no flight in this stream.
   [[nodiscard]] Episode* find(std::uint32_t stream) const {
     return stream < episodes.size() ? episodes[stream].get() : nullptr;
   }
@@ -472,8 +472,8 @@ struct Channel::State {
   std::vector<std::unique_ptr<Episode>> episodes;  // by stream
   std::map<std::uint64_t, std::uint32_t> lost_histories;
   AgentDirectory agents;
-  std::set<std::string> spared;  // that relays fly without
-  std::uint64_t collector = 0;   // whose confirmations count; 0: nobody's yet
+  std::set<std::string> spared;  // agents that relays fly without
+  std::uint64_t collector = 0;   // incarnation whose confirmations count; 0: not known yet
   Outbox outbox;
   SwapDesk swaps;
 
@@ -485,7 +485,7 @@ struct Channel::State {
   OwnStatus own;
   MissingPeers missing{Clock::now()};
 
-  MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses what stands above
+  MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses the members above
 };
 
 Channel::Channel(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop)

@@ -24,7 +24,7 @@ class Channel {
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
 
-  /// Until the run ends or a stop is requested.
+  /// Returns when the run is over or a stop is requested.
   void run();
 
  private:

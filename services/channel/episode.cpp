@@ -13,8 +13,8 @@ namespace {
 // The first report may be sent before both sides have found each other; later ones are only lost with a process.
 constexpr std::chrono::milliseconds first_patience{100};
 constexpr std::chrono::milliseconds patience{1000};
-// In a relay, those who stand by speak when the question comes again; and the first command of a new pilot may come
-// before its writer is known to be the strongest.
+// In a relay, members that stand by answer only repeated reports; and the first command of a new pilot can be lost
+// because its writer is not known to be the strongest yet.
 constexpr std::chrono::milliseconds relay_patience{100};
 constexpr std::chrono::milliseconds relay_patience_limit{200};
 constexpr std::chrono::milliseconds swap_patience{20};

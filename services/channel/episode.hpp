@@ -15,7 +15,7 @@
 
 namespace aloft::channel {
 
-/// What every report of a flight says about it, but for the lease.
+/// Identifies a flight; every report repeats it, except for the lease.
 struct EpisodeAddress {
   std::uint64_t lease_id = 0;
   std::string experiment_id;
@@ -26,40 +26,39 @@ struct EpisodeAddress {
   std::uint32_t trial = 0;
 };
 
-/// One flight in the air and its side of the lock-step conversation: the report that waits for its command. Each
-/// command is executed once, however often it comes; in a relay, after all who are aboard have learnt from the report.
-/// No bus; the clock is passed in.
+/// One flight in the air and the channel's side of the lock-step protocol: a report waits for its command. Each command
+/// is executed once, however often it arrives; in a relay, after all members aboard have learnt from the report. No
+/// bus; the clock is passed in.
 class Episode {
  public:
   enum class Outcome : std::uint8_t {
     ignored,    ///< stale, repeated, or of another flight
     stepped,    ///< executed: ask() for the next
-    finished,   ///< executed, and it was the last: ask() tells the agent so, unless it was its memory that came
+    finished,   ///< the last command was executed (ask() tells the agent so), or the memory after it arrived
     lost,       ///< the agent has no history of this flight: start it again
-    forbidden,  ///< the agent commanded what it may not
-    passed_on,  ///< the agent cannot go on, another of its crew is asked: ask()
+    forbidden,  ///< the command is not allowed for this agent
+    passed_on,  ///< the agent cannot go on, and another one of its crew is chosen: ask()
   };
   /// `agent` and `map` must outlive the episode. `failover`: a relay goes on when one of its crew is lost.
   Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, agents::Privilege privilege,
           radio::SignalMap& map, std::uint64_t seed, const flight::Costs& costs, Clock::time_point now,
           bool failover = false);
 
-  /// Before the first ask(), for a relay that may go on without some of its crew: these are not there.
+  /// For a relay that can go on without some of its crew, before the first ask(): these members are not there.
   void do_without(const std::vector<std::string>& absent, Clock::time_point now);
   /// An agent of this worker is there again.
   void comes(std::string_view agent);
 
   Outcome accept(const wire::HeightCommand& command, Clock::time_point now);
-  /// What the agent remembers, after the last step; the flight of an agent that remembers earlier flights is finished
-  /// only with it.
+  /// The agent's memory after the last step; it finishes the flight of an agent that remembers earlier flights.
   Outcome accept(const wire::FlightMemory& message);
-  /// One of the crew has learnt from the present report.
+  /// A member of the crew has learnt from the present report.
   Outcome accept(const wire::ReportFollowed& message, Clock::time_point now);
-  /// Goes on without followers that are silent for too long, if the flight may.
+  /// With failover, goes on without followers that have been silent for too long.
   Outcome wait_no_longer(Clock::time_point now);
-  /// For a relay: from now on, or from a later step on, this agent of its crew flies. True: ask().
+  /// For a relay: from now on, or from a later step on, this agent of its crew flies. True if ask() is due.
   bool order(const SwapOrder& order, Clock::time_point now);
-  /// Whether the ordered agent has not commanded yet.
+  /// True until a command of the ordered agent is executed.
   [[nodiscard]] bool order_open() const noexcept { return crew_ && crew_->order_open(); }
 
   struct Senders {
@@ -74,13 +73,13 @@ class Episode {
   [[nodiscard]] Clock::duration silence(Clock::time_point now) const noexcept { return now - silent_since_; }
 
   [[nodiscard]] const agents::AgentSpec& agent() const noexcept { return agent_; }
-  /// Who is asked: the agent, or one of its crew.
+  /// The agent that is asked: the flight's own, or one of its crew.
   [[nodiscard]] const agents::AgentSpec& pilot() const noexcept { return crew_ ? crew_->pilot() : agent_; }
-  /// Whose answer is missing, in words.
+  /// Names of the agents whose answer is missing.
   [[nodiscard]] std::string awaited() const;
   [[nodiscard]] const EpisodeAddress& address() const noexcept { return address_; }
   [[nodiscard]] const flight::Flight& flight() const noexcept { return flight_; }
-  /// Empty if the agent keeps none.
+  /// What the agent handed over at the end; empty if it keeps no memory.
   [[nodiscard]] const std::vector<std::uint8_t>& agent_memory() const noexcept { return memory_; }
 
  private:
@@ -97,9 +96,9 @@ class Episode {
   EpisodeAddress address_;
   const agents::AgentSpec& agent_;
   agents::Privilege privilege_;
-  bool remembers_;                           // earlier flights
-  std::unique_ptr<Crew> crew_;               // of a relay, else null
-  std::optional<wire::HeightCommand> held_;  // until all have followed
+  bool remembers_;                           // the agent remembers earlier flights
+  std::unique_ptr<Crew> crew_;               // null if the agent is no relay
+  std::optional<wire::HeightCommand> held_;  // a command, until all have followed
   flight::Flight flight_;
   std::vector<std::uint8_t> memory_;
   wire::ChannelReport report_;

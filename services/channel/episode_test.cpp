@@ -1,4 +1,4 @@
-// The channel's side of the conversation, without a bus: every command is executed once.
+// The channel's side of the lock-step protocol, without a bus: every command is executed once.
 #include "services/channel/episode.hpp"
 
 #include <catch2/catch.hpp>
@@ -75,7 +75,7 @@ TEST_CASE("every command is executed once; the last one ends the flight") {
   CHECK(talk.episode.flight().record().steps.size() == 3);
 }
 
-TEST_CASE("commands of others, of earlier attempts, and forbidden jumps change nothing") {
+TEST_CASE("commands of other agents or earlier attempts, and forbidden jumps, change nothing") {
   Talk talk("constant-60");
   wire::HeightCommand other = talk.command(1);
   other.agent(wire::name("constant-120"));
@@ -93,7 +93,7 @@ TEST_CASE("commands of others, of earlier attempts, and forbidden jumps change n
   CHECK(jumper.episode.flight().observation().height_m == 80.0);
 }
 
-TEST_CASE("the flight of an agent that remembers is over when its memory has come") {
+TEST_CASE("the flight of an agent that remembers is over when its memory has arrived") {
   Talk talk({{"type", "dqn"}, {"memory", "lifelong"}});
   wire::FlightMemory memory;
   memory.episode_id(99);
@@ -112,16 +112,16 @@ TEST_CASE("the flight of an agent that remembers is over when its memory has com
   wire::FlightMemory old = memory;
   old.attempt(3);
   CHECK(talk.episode.accept(old) == Outcome::ignored);
-  SECTION("it comes") {
+  SECTION("the memory arrives") {
     CHECK(talk.episode.accept(memory) == Outcome::finished);
     CHECK(talk.episode.agent_memory() == std::vector<std::uint8_t>{1, 2, 3});
   }
-  SECTION("or the agent has died with it") {
+  SECTION("the agent has died with its memory") {
     CHECK(talk.episode.accept(talk.command(4, wire::ACTION_UNKNOWN_FLIGHT), start) == Outcome::lost);
   }
 }
 
-TEST_CASE("the first question is repeated soon, later ones after a second") {
+TEST_CASE("the first report is repeated soon, later ones after a second") {
   Talk talk("constant-60");
   talk.ask();
   CHECK_FALSE(talk.episode.repeat_due(start + 99ms));
@@ -133,7 +133,7 @@ TEST_CASE("the first question is repeated soon, later ones after a second") {
   CHECK(talk.episode.silence(start + 3010ms) == 3s);
 }
 
-TEST_CASE("only the privileged see the future, and only as much as they declared") {
+TEST_CASE("only privileged agents see the future, and only as much as they declared") {
   Talk blind("constant-60");
   blind.ask();
   CHECK(blind.profiles.empty());
@@ -173,7 +173,7 @@ TEST_CASE("records are sent again until they are confirmed") {
   CHECK(outbox.size() == 0);
 }
 
-TEST_CASE("what is said about another trace does not settle a record") {
+TEST_CASE("a message about another trace does not settle a record") {
   Outbox outbox;
   wire::EpisodeRecord record;
   record.episode_id(5);
@@ -184,7 +184,7 @@ TEST_CASE("what is said about another trace does not settle a record") {
   CHECK(outbox.size() == 1);
 }
 
-TEST_CASE("an agent is there as long as it says so") {
+TEST_CASE("an agent is there as long as it sends its status") {
   AgentDirectory agents;
   wire::AgentStatus status;
   status.agent(wire::name("dqn"));
@@ -203,7 +203,7 @@ TEST_CASE("an agent is there as long as it says so") {
   CHECK(agents.find("dqn") == nullptr);
 }
 
-TEST_CASE("agents that are lost with their process are told together") {
+TEST_CASE("agents that are lost with their process are reported together") {
   AgentDirectory agents;
   for (const auto& [agent, process] :
        std::map<std::string, std::string>{{"dqn", "learner"}, {"min-height", "baselines"}, {"planner", "baselines"}}) {

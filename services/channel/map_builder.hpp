@@ -14,7 +14,7 @@
 
 namespace aloft::channel {
 
-/// Turns worlds into signal maps in a thread of its own, so that flights in the air do not wait for the radio of the
+/// Turns worlds into signal maps in a thread of its own, so that flights in the air do not wait for the map of the
 /// next trial.
 class MapBuilder {
  public:
@@ -35,7 +35,7 @@ class MapBuilder {
   std::function<void()> on_built_;
   std::mutex mutex_;
   std::vector<Built> built_;
-  boost::asio::thread_pool thread_{1};  // last: its job uses what stands above
+  boost::asio::thread_pool thread_{1};  // last: its jobs use the members above
 };
 
 }  // namespace aloft::channel

@@ -21,7 +21,7 @@ std::string silence_text(const std::map<std::string, Clock::duration>& silent) {
                      std::chrono::duration<double>(longest).count());
 }
 
-/// Up to the first number, which grows while the same peers are missing.
+/// The text up to its first number, which grows while the same peers are missing.
 std::string first_name(const std::string& text) {
   return text.substr(0, text.find('('));
 }
@@ -43,7 +43,7 @@ void MissingPeers::update(const Facts& facts, Clock::time_point now) {
   std::string text = fmt::format("{}", fmt::join(peers, ", "));
   const bool others = first_name(text) != first_name(text_);
   text_ = std::move(text);
-  if (others) text_.empty() ? spdlog::info("nobody is missing") : spdlog::warn("waits for {}", text_);
+  if (others) text_.empty() ? spdlog::info("no peer is missing any more") : spdlog::warn("waits for {}", text_);
 }
 
 }  // namespace aloft::channel

@@ -10,17 +10,17 @@ namespace aloft::channel {
 
 using Clock = std::chrono::steady_clock;
 
-/// Whom the flights of a worker wait for, in words, which the status repeats and the log says when others are missing
-/// than before. No bus; the clock is passed in.
+/// Names the peers that the flights of a worker wait for: in every status, and in the log when they change. No bus; the
+/// clock is passed in.
 class MissingPeers {
  public:
-  /// Who is silent for longer than this is missing.
+  /// A peer that is silent for longer than this is missing.
   static constexpr std::chrono::seconds patience{3};
 
   /// What is known at one moment.
   struct Facts {
-    std::map<std::string, Clock::duration> silent_agents{};  ///< that flights have asked, for longer than `patience`
-    std::vector<std::string> absent_agents{};                ///< that flights have waited for long enough
+    std::map<std::string, Clock::duration> silent_agents{};  ///< asked, and silent for longer than `patience`
+    std::vector<std::string> absent_agents{};                ///< not there, and waited for long enough
     Clock::duration collector_silence{};                     ///< while records are unconfirmed
     std::size_t records_unconfirmed = 0;
     bool environment_there = false;
@@ -29,7 +29,7 @@ class MissingPeers {
   explicit MissingPeers(Clock::time_point now) : environment_seen_(now) {}
 
   void update(const Facts& facts, Clock::time_point now);
-  /// Empty if nobody is missing.
+  /// Empty if no peer is missing.
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
 
  private:

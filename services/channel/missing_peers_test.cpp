@@ -41,7 +41,7 @@ class Log {
 
 }  // namespace
 
-TEST_CASE("a worker names whom it waits for") {
+TEST_CASE("a worker names the peers it waits for") {
   MissingPeers missing(start);
   MissingPeers::Facts facts = all_well();
   missing.update(facts, start);
@@ -77,7 +77,7 @@ TEST_CASE("the environment is missed three seconds after it was there last") {
   CHECK(missing.text().empty());
 }
 
-TEST_CASE("the log says when others are missing, not how long they are") {
+TEST_CASE("the log reports when the missing peers change, not how long they are missing") {
   Log log;
   MissingPeers missing(start);
   MissingPeers::Facts facts = all_well();
@@ -91,7 +91,7 @@ TEST_CASE("the log says when others are missing, not how long they are") {
   CHECK(log.take().empty());
   CHECK(missing.text() == "agent dqn (no command for 5 s)");
   missing.update(all_well(), start);
-  CHECK(log.take() == "nobody is missing\n");
+  CHECK(log.take() == "no peer is missing any more\n");
 }
 
 }  // namespace aloft::channel

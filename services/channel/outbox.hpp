@@ -14,18 +14,18 @@ namespace aloft::channel {
 
 using Clock = std::chrono::steady_clock;
 
-/// Finished flights, kept until the collector says that they are stored, or never will be. No bus: the caller sends.
+/// Finished flights, kept until the collector confirms or refuses them. No bus: the caller sends.
 class Outbox {
  public:
   using Send = std::function<void(wire::EpisodeRecord&)>;
 
   void add(wire::EpisodeRecord record, Clock::time_point now);
-  /// Forgets a record; returns the lease it was flown under, or nothing if no record with this trace is here: what is
-  /// said about another trace says nothing about ours.
+  /// Forgets a record that was confirmed or refused; returns the lease it was flown under, or nothing if no record with
+  /// this trace is here: the message is about another trace.
   std::optional<std::uint64_t> settle(std::uint64_t episode_id, std::string_view trace_sha256, Clock::time_point now);
-  /// Sends what was never sent, and again what has not been confirmed for 2 s.
+  /// Sends new records, and those again that have been unconfirmed for 2 s.
   void send_due(Clock::time_point now, const Send& send);
-  /// There is somebody who may not have heard any of it: all of it is due.
+  /// Makes all records due, for a new collector that may have received none of them.
   void start_over() noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return entries_.size(); }

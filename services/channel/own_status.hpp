@@ -9,21 +9,21 @@
 
 namespace aloft::channel {
 
-/// What a worker says about itself: who it is, what it has done since it started, and why it gave up leases. No bus.
+/// A worker's status: its identity, what it has done since it started, and why it gave up leases. No bus.
 class OwnStatus {
  public:
-  /// `flies_only`: agents; none: all.
+  /// `flies_only`: names of agents; empty: all.
   OwnStatus(std::string_view worker, const std::vector<std::string>& flies_only);
 
   void begin(const std::string& experiment_id) { status_.experiment_id(wire::experiment_id(experiment_id)); }
-  /// A step was flown; the agent took so long to answer.
+  /// Counts a flown step and the time that the agent took to answer.
   void count_step(double answer_s);
   void count_flight();
-  /// The latest limits::failures_told are told.
+  /// Only the latest limits::failures_told are reported.
   void add_failure(std::uint64_t lease, std::string_view reason);
 
-  /// The next heartbeat. What holds only at this moment is for the caller to fill in: capacity, leases, agents,
-  /// records, drops, who is missing.
+  /// The next heartbeat. The caller fills in what holds only at this moment: capacity, leases, agents, records, drops,
+  /// missing peers.
   [[nodiscard]] wire::WorkerStatus next();
 
  private:

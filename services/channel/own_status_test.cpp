@@ -40,7 +40,7 @@ TEST_CASE("a status counts what was flown, and how long the agents took") {
   CHECK(status.failures().empty());
 }
 
-TEST_CASE("a status tells the latest failures, oldest first, as many as fit") {
+TEST_CASE("a status reports the latest failures, oldest first, as many as fit") {
   OwnStatus own("w0", {});
   for (std::uint64_t lease = 1; lease <= limits::failures_told + 2; ++lease) own.add_failure(lease, "lost");
   const wire::WorkerStatus status = own.next();

@@ -15,7 +15,7 @@ class Environment {
   Environment(const Environment&) = delete;
   Environment& operator=(const Environment&) = delete;
 
-  /// Until the run ends or a stop is requested.
+  /// Returns when the run is over or a stop is requested.
   void run();
 
  private:

@@ -11,11 +11,11 @@ using namespace aloft;
 
 namespace {
 
-/// What becomes of the first trial of an experiment in this world.
+/// The world that is made for the first trial of an experiment.
 wire::World made_in(const nlohmann::json& world) {
   experiment::Experiment experiment =
       experiment::parse(R"({"name": "x", "trials": 1, "world": {}, "agents": ["min-height"]})", "test");
-  std::vector<ParameterSpec> table = radio::generated_world_parameters();  // and more than it allows
+  std::vector<ParameterSpec> table = radio::generated_world_parameters();  // with wider ranges: impossible worlds, too
   for (ParameterSpec& spec : table)
     if (spec.kind == ParameterSpec::Kind::number) spec.maximum = 1e9;
   experiment.conditions[0].world = Parameters(table, world, "world");

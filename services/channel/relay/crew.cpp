@@ -8,7 +8,7 @@
 namespace aloft::channel {
 namespace {
 
-// Somewhat more than the liveliness lease of commands (common/bus): before that, a pilot may only be slow.
+// Somewhat more than the liveliness lease of commands (common/bus): until then, the pilot may just be slow.
 constexpr std::chrono::milliseconds takeover_after{550};
 constexpr std::chrono::seconds follow_limit{1};
 
@@ -45,7 +45,7 @@ bool Crew::at_hand(std::size_t index) const noexcept {
 
 std::size_t Crew::present(std::size_t index) const noexcept {
   if (!members_[index].absent) return index;
-  if (at_hand(pilot_)) return pilot_;  // whoever flies goes on
+  if (at_hand(pilot_)) return pilot_;  // the present pilot goes on
   for (std::size_t i = 0; i < members_.size(); ++i)
     if (at_hand(i)) return i;
   return index;
@@ -75,7 +75,7 @@ std::size_t Crew::appoint(std::uint32_t step) {
     return takes_effect ? find(order_->agent) : pilot_;
   }
   const std::size_t written = agents::written_pilot(relay_.crew, step);
-  return relay_.crew[written].from_step == step ? written : pilot_;  // in between, whoever took over goes on
+  return relay_.crew[written].from_step == step ? written : pilot_;  // in between, a member that took over goes on
 }
 
 bool Crew::order(const SwapOrder& order, std::uint32_t step, Clock::time_point now) {
@@ -117,7 +117,7 @@ void Crew::followed(std::string_view name) {
 
 bool Crew::is_behind(std::size_t index) const noexcept {
   const Member& member = members_[index];
-  const bool silent = agents::agent_type(agent(index).type).foreign;  // hears only what it is asked
+  const bool silent = agents::agent_type(agent(index).type).foreign;  // answers only reports that ask it
   return index != pilot_ && member.aboard && !member.absent && !member.left && !member.followed && !silent;
 }
 

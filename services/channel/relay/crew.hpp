@@ -19,12 +19,13 @@ struct SwapOrder {
   std::uint32_t from_step = 0;
 };
 
-/// Who of a relay's crew flies, who follows, and whom the flight waits for. No bus; the clock is passed in.
+/// Which member of a relay's crew flies, which ones follow, and which ones the flight waits for. No bus; the clock is
+/// passed in.
 ///
-/// With `failover` the flight does not depend on anybody: a member that stands by takes over when it is heard and the
-/// pilot is silent (the middleware lets it be heard only when the pilot's process is gone), a follower that falls
-/// silent is left behind, and who is absent from the start is neither asked nor waited for. Without, all goes as the
-/// crew's entries say, and whoever is lost makes the flight start again.
+/// With `failover` the flight depends on no single member: if the pilot is silent, a member that stands by takes over
+/// with its command (which the middleware delivers only when the pilot's process is gone), a silent follower is left
+/// behind, and a member that is absent from the start is neither asked nor waited for. Without `failover`, the crew's
+/// entries alone decide which member flies, and a lost member makes the flight start again.
 class Crew {
  public:
   /// `relay` must outlive the crew.
@@ -33,29 +34,29 @@ class Crew {
   [[nodiscard]] const agents::AgentSpec& pilot() const noexcept { return agent(pilot_); }
   [[nodiscard]] bool failover() const noexcept { return failover_; }
 
-  /// These are not there as the flight begins: others are asked in their place. True if the pilot changes.
+  /// These members are not there when the flight begins: others are asked in their place. True if the pilot changes.
   bool do_without(const std::vector<std::string>& absent, Clock::time_point now);
-  /// One of them has come: it may be asked, and is waited for once it is heard.
+  /// An absent member has arrived: it can be asked, and is waited for after its first message.
   void comes(std::string_view name);
-  /// The report of `step` - 1 is there: who is asked for `step`? True if it is another one than before.
+  /// Chooses the pilot of `step`, after the report of `step` - 1. True if the pilot changes.
   bool begin_step(std::uint32_t step, Clock::time_point now);
   /// From now on, or from a later step on, this agent of the crew flies; true if the pilot changes at once.
   bool order(const SwapOrder& order, std::uint32_t step, Clock::time_point now);
-  /// Whether the ordered agent has not commanded yet.
+  /// True until a command of the ordered agent is executed.
   [[nodiscard]] bool order_open() const noexcept { return order_open_; }
 
   /// Makes this agent the pilot if it may command now; true if it is.
   [[nodiscard]] bool admit(std::string_view name, Clock::time_point now);
-  /// The pilot cannot go on; true if another one was found to ask.
+  /// The pilot cannot go on; true if another one was found.
   [[nodiscard]] bool pass_on(Clock::time_point now);
-  /// Its command has been executed.
+  /// The pilot's command has been executed.
   void executed() noexcept;
 
   /// This agent has learnt from the present report.
   void followed(std::string_view name);
-  /// Whether nobody but the pilot has still to learn from the present report.
+  /// Whether all members that are waited for have learnt from the present report.
   [[nodiscard]] bool all_followed() const;
-  /// Leaves those behind that have not followed the present report for a second; only with failover.
+  /// With failover, stops waiting for members that have not followed the present report within a second.
   void leave_behind(Clock::time_point now);
   /// Followers that have still to learn from the present report.
   [[nodiscard]] std::vector<std::string_view> behind() const;
@@ -63,28 +64,28 @@ class Crew {
  private:
   struct Member {
     bool aboard = false;
-    bool absent = false;    // not asked and not waited for, until it comes or is heard
-    bool left = false;      // not waited for, until it is heard again
+    bool absent = false;    // not asked and not waited for, until it arrives or sends a message
+    bool left = false;      // not waited for, until its next message
     bool followed = false;  // the present report
     bool failed = false;    // could not command this step
   };
   [[nodiscard]] const agents::AgentSpec& agent(std::size_t index) const noexcept { return relay_.crew[index].agent; }
   [[nodiscard]] std::size_t find(std::string_view name) const noexcept;
   [[nodiscard]] bool is_behind(std::size_t index) const noexcept;
-  /// Who is asked for `step`; an order takes effect here.
+  /// The member to ask for `step`; an order takes effect here.
   std::size_t appoint(std::uint32_t step);
-  /// Who is asked when it is this one's turn: another one if it is absent.
+  /// The member to ask when it is this one's turn: another one if this one is absent.
   [[nodiscard]] std::size_t present(std::size_t index) const noexcept;
-  /// Whether it has been there lately.
+  /// Whether the member is aboard and can be asked.
   [[nodiscard]] bool at_hand(std::size_t index) const noexcept;
-  /// True if it is another one than before.
+  /// True if the pilot changes.
   bool ask(std::size_t index, Clock::time_point now);
 
   const agents::AgentSpec& relay_;
   bool failover_;
   std::vector<Member> members_;
   std::size_t pilot_ = 0;
-  std::optional<SwapOrder> order_;  // overrules what is written, from its step on
+  std::optional<SwapOrder> order_;  // overrules the crew's entries from its step on
   bool order_in_effect_ = false;
   bool order_open_ = false;
   Clock::time_point asked_at_;  // the present pilot, for the present step

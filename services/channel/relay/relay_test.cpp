@@ -82,7 +82,7 @@ struct Talk {
 
 }  // namespace
 
-TEST_CASE("a written relay: only who is asked is executed, and only after all aboard have followed") {
+TEST_CASE("restart: only the asked agent's command is executed, and only after all aboard have followed") {
   Talk talk(written_crew, false);
   CHECK(talk.asked() == "min-height");
   CHECK(talk.command("constant-60") == Outcome::ignored);
@@ -94,7 +94,7 @@ TEST_CASE("a written relay: only who is asked is executed, and only after all ab
   CHECK(talk.command("min-height") == Outcome::stepped);
   CHECK(talk.asked() == "constant-60");
   CHECK(talk.command("min-height") == Outcome::ignored);
-  talk.now += 10s;  // nobody takes over, however long it lasts
+  talk.now += 10s;  // no other member takes over, however long it lasts
   CHECK(talk.command("min-height") == Outcome::ignored);
   CHECK(talk.episode->wait_no_longer(talk.now) == Outcome::ignored);
   talk.fly("constant-60");
@@ -105,13 +105,13 @@ TEST_CASE("a written relay: only who is asked is executed, and only after all ab
   CHECK(talk.command("random-walk") == Outcome::stepped);
   CHECK(talk.pilots() ==
         std::vector<std::string>{"min-height", "min-height", "constant-60", "constant-60", "random-walk"});
-  SECTION("whoever has missed something makes the flight start again") {
+  SECTION("a member that has missed a report makes the flight start again") {
     CHECK(talk.follow("min-height", true) == Outcome::lost);
     CHECK(talk.command("random-walk", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::lost);
   }
 }
 
-TEST_CASE("failover: whoever is heard takes over when the pilot is silent, and the others are not waited for") {
+TEST_CASE("failover: a member takes over from a silent pilot, and silent members are not waited for") {
   Talk talk(standby_crew, true);
   talk.fly("min-height");
   CHECK(talk.asked() == "min-height");
@@ -133,7 +133,7 @@ TEST_CASE("failover: whoever is heard takes over when the pilot is silent, and t
   CHECK(talk.pilots() == std::vector<std::string>{"min-height", "constant-60", "constant-60", "constant-60"});
 }
 
-TEST_CASE("failover: an agent that cannot go on passes the step on; when nobody can, the flight starts again") {
+TEST_CASE("failover: an agent that cannot go on passes the step on; if no member can fly it, the flight starts again") {
   Talk talk(standby_crew, true);
   talk.fly("min-height");
   CHECK(talk.command("min-height", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::passed_on);
@@ -142,8 +142,8 @@ TEST_CASE("failover: an agent that cannot go on passes the step on; when nobody 
   CHECK(talk.command("random-walk", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::lost);
 }
 
-TEST_CASE("failover: who is not there as the flight begins is neither asked nor waited for") {
-  SECTION("those who follow") {
+TEST_CASE("failover: members that are not there when the flight begins are neither asked nor waited for") {
+  SECTION("a follower is absent") {
     Talk talk(standby_crew, true);
     talk.episode->do_without({"random-walk"}, start);
     CHECK(talk.command("min-height") == Outcome::ignored);  // constant-60 is there
@@ -158,7 +158,7 @@ TEST_CASE("failover: who is not there as the flight begins is neither asked nor 
     CHECK(talk.command("min-height") == Outcome::ignored);
     CHECK(talk.episode->awaited() == "random-walk");
   }
-  SECTION("the first pilot: the next of the crew flies at once, and goes on when the first is back") {
+  SECTION("the first pilot is absent: the next one flies at once, and goes on when the first is back") {
     Talk talk(standby_crew, true);
     talk.episode->do_without({"min-height"}, start);
     CHECK(talk.asked() == "constant-60");
@@ -168,7 +168,7 @@ TEST_CASE("failover: who is not there as the flight begins is neither asked nor 
     CHECK(talk.asked() == "constant-60");
     CHECK(talk.pilots() == std::vector<std::string>{"constant-60", "constant-60"});
   }
-  SECTION("who is written for a later step, unless it has come by then") {
+  SECTION("the pilot of a later step is absent, unless it has arrived by then") {
     const bool comes = GENERATE(true, false);
     Talk talk(written_crew, true);
     talk.episode->do_without({"constant-60"}, start);
@@ -177,19 +177,19 @@ TEST_CASE("failover: who is not there as the flight begins is neither asked nor 
     CHECK(talk.command("min-height") == Outcome::stepped);
     CHECK(talk.asked() == (comes ? "constant-60" : "min-height"));
   }
-  SECTION("the pilot fails, and only those who are there can go on") {
+  SECTION("the pilot fails, and only members that are there can go on") {
     Talk talk(standby_crew, true);
     talk.episode->do_without({"constant-60"}, start);
     CHECK(talk.command("min-height", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::passed_on);
     CHECK(talk.asked() == "random-walk");
     CHECK(talk.command("random-walk", wire::ACTION_UNKNOWN_FLIGHT) == Outcome::lost);
   }
-  SECTION("nobody at all: the first is asked") {
+  SECTION("all are absent: the first is asked") {
     Talk talk(standby_crew, true);
     talk.episode->do_without({"min-height", "constant-60", "random-walk"}, start);
     CHECK(talk.asked() == "min-height");
   }
-  SECTION("without failover everybody is waited for") {
+  SECTION("without failover all members are waited for") {
     Talk talk(written_crew, false);
     talk.episode->do_without({"constant-60"}, start);
     CHECK(talk.command("min-height") == Outcome::ignored);
@@ -197,7 +197,7 @@ TEST_CASE("failover: who is not there as the flight begins is neither asked nor 
   }
 }
 
-TEST_CASE("flights wait for an absent agent once, until it has been heard of again") {
+TEST_CASE("flights wait for an absent agent once, until its next status") {
   AgentDirectory agents;
   const auto says = [&](wire::AgentState state, Clock::time_point now) {
     wire::AgentStatus status;
@@ -222,7 +222,7 @@ TEST_CASE("flights wait for an absent agent once, until it has been heard of aga
   CHECK(agents.waited_long("random-walk", start + 67s));
 }
 
-TEST_CASE("an order takes effect at its step, once, and stands for later flights") {
+TEST_CASE("an order takes effect at its step, once, and holds for later flights") {
   Talk talk(standby_crew, true);
   AgentDirectory agents;
   for (const char* name : {"min-height", "constant-60", "random-walk"}) {
@@ -266,7 +266,7 @@ TEST_CASE("an order takes effect at its step, once, and stands for later flights
   CHECK(later.asked() == "constant-60");
 }
 
-TEST_CASE("an order for later flights is measured by the longest of them, if their lengths are known") {
+TEST_CASE("an order for later flights is checked against the longest of them, if their lengths are known") {
   AgentDirectory agents;
   wire::AgentStatus status;
   status.agent(wire::name("random-walk"));
@@ -290,10 +290,10 @@ TEST_CASE("an order for later flights is measured by the longest of them, if the
   CHECK_FALSE(accepted(two, 51));
   const std::string measured =
       R"({"kind": "measured", "file": "/nowhere/x.csv", "file_sha256": ")" + std::string(64, '0') + "\"}";
-  CHECK(accepted(two + ", " + measured, 9999));  // only its file knows
+  CHECK(accepted(two + ", " + measured, 9999));  // its length is unknown
 }
 
-TEST_CASE("swaps that make no sense are refused with what to do") {
+TEST_CASE("impossible swaps are refused, with what to do") {
   AgentDirectory agents;
   const SwapDesk::Episodes none;
   const auto refusal = [&](const experiment::Experiment& experiment, const char* agent, std::uint32_t from_step,

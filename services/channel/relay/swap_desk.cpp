@@ -26,8 +26,8 @@ std::vector<std::string> crews(const experiment::Experiment& experiment) {
   return names;
 }
 
-/// Of those that the agent may fly, in the air or later; 0 if that is not known: how long a measured flight is, its
-/// file says, which only those know who fly it.
+/// Steps of the longest flight that the agent can fly, in the air or later; 0 if unknown: the length of a measured
+/// flight is known only while it is flown.
 std::uint32_t longest_flight(std::string_view agent, const experiment::Experiment& experiment,
                              const SwapDesk::Episodes& episodes) {
   std::uint32_t longest = 0;

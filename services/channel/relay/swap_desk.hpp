@@ -14,7 +14,7 @@
 
 namespace aloft::channel {
 
-/// Takes orders to swap agents, keeps them for the flights that start later, and knows how far the latest has come.
+/// Takes orders to swap agents, keeps them for later flights, and counts the flights that the latest has reached.
 /// No bus: the caller asks and answers.
 class SwapDesk {
  public:
@@ -23,11 +23,11 @@ class SwapDesk {
   /// Handles a request once, however often it comes. Returns the episodes that have to ask another pilot.
   std::vector<Episode*> handle(const wire::SwapRequest& request, const experiment::Experiment& experiment,
                                const AgentDirectory& agents, const Episodes& episodes, Clock::time_point now);
-  /// How the latest request fares.
+  /// The state of the latest request.
   [[nodiscard]] wire::SwapReply& reply() noexcept { return reply_; }
   /// Counts again; true if something has changed.
   bool recount(const Episodes& episodes);
-  /// Gives a new flight the order that stands for it.
+  /// Gives a new flight the order that holds for it, if there is one.
   void brief(Episode& episode, Clock::time_point now) const;
 
  private:

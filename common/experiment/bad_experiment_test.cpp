@@ -1,4 +1,4 @@
-// Every kind of wrong experiment: what, where, what is allowed, what to do.
+// Every kind of wrong experiment file: the message says what is wrong, where, what is allowed and what to do.
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
@@ -40,7 +40,7 @@ std::string measured(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("the good experiment of this file is good") {
+TEST_CASE("the experiment that these tests spoil is accepted") {
   CHECK(parse(good, "my.json").conditions.size() == 2);
 }
 

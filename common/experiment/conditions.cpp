@@ -80,7 +80,7 @@ std::string as_text(const std::string& key, const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// Which parameters vary: those given as lists, or in a resolved experiment those that "swept" names.
+/// The parameters that vary: those given as lists, or in a resolved experiment those named in "swept".
 std::vector<std::string> swept_keys(const OrderedJson& world, const std::vector<Axis>& axes, const std::string& where) {
   std::vector<std::string> keys;
   for (const Axis& axis : axes)
@@ -112,7 +112,7 @@ class WorldExpansion {
         swept_(swept_keys(world, axes_, where_)),
         name_is_final_(world.contains("swept")) {}
 
-  /// How many conditions there will be; counts no further than just above `limit`.
+  /// Number of conditions; limit + 1 stands for all numbers above `limit`.
   [[nodiscard]] std::size_t count(std::size_t limit) const {
     std::size_t product = 1;
     for (const Axis& axis : axes_) product = std::min(product * axis.values.size(), limit + 1);
@@ -137,7 +137,7 @@ class WorldExpansion {
     condition.world = kind_ == WorldKind::generated ? radio::resolve_generated_world(given, where_)
                                                     : resolve_measured_world(given, where_, files_);
     Json all = condition.world.to_json();
-    all.insert(given.begin(), given.end());  // a default that is implied, but swept
+    all.insert(given.begin(), given.end());  // adds a swept default that to_json() leaves out
     for (const std::string& key : swept_) {
       condition.parameters[key] = all.at(key);
       if (!name_is_final_)
@@ -197,8 +197,7 @@ std::vector<Condition> expand_worlds(const OrderedJson& document, const FileAcce
     const WorldExpansion expansion(*world, where, files);
     if (conditions.size() + expansion.count(max_conditions) > max_conditions)
       throw InputError(
-          fmt::format("{}: the sweep has more than {} conditions; list fewer values, or make several "
-                      "experiments",
+          fmt::format("{}: the sweep has more than {} conditions; list fewer values, or make several experiments",
                       where, max_conditions));
     expansion.append_to(conditions);
   }

@@ -16,7 +16,7 @@ inline constexpr std::size_t max_world_name_bytes = 200;
 /// first key of the file changes slowest. Throws InputError naming the JSON path.
 [[nodiscard]] std::vector<Condition> expand_worlds(const nlohmann::ordered_json& document, const FileAccess& files);
 
-/// A condition as an entry of "worlds" that gives back the same condition.
+/// The entry of "worlds" from which expand_worlds() makes this condition again.
 [[nodiscard]] nlohmann::json canonical_world(const Condition& condition);
 
 }  // namespace aloft::experiment

@@ -31,8 +31,7 @@ using OrderedJson = nlohmann::ordered_json;
 void check_keys(const OrderedJson& document) {
   if (!document.is_object())
     throw InputError(
-        fmt::format("{} is not an experiment; use an object with \"name\", \"trials\", \"world\" and "
-                    "\"agents\"",
+        fmt::format("{} is not an experiment; use an object with \"name\", \"trials\", \"world\" and \"agents\"",
                     excerpt(document.dump())));
   const std::vector<std::string> keys = file_keys();
   for (const auto& item : document.items())
@@ -49,7 +48,7 @@ void check_keys(const OrderedJson& document) {
 std::uint64_t seed_of(const OrderedJson& document) {
   const auto seed = document.find("seed");
   if (seed == document.end()) return default_seed;
-  // Not by way of a double, which holds only 53 bits.
+  // Read as an integer: a double holds only 53 bits.
   if (!seed->is_number_integer() || (!seed->is_number_unsigned() && seed->get<std::int64_t>() < 0))
     throw InputError(fmt::format("seed: {} is not allowed; use a whole number from 0 to 18446744073709551615",
                                  excerpt(seed->dump())));
@@ -143,8 +142,8 @@ void check_agent(agents::AgentSpec& spec, const FileAccess& files) {
   (void)spec.make();
 }
 
-/// Makes one of each agent and throws it away: some parameters are only wrong together, and files are only read here.
-/// A file that an agent reads gets an absolute path, and the SHA-256 that counts in the experiment's id.
+/// Makes each agent once, as a check: some parameters are wrong only together, and model files are read only here.
+/// The path of such a file becomes absolute, and its SHA-256, which counts in the experiment's id, is filled in.
 void check_agents(std::vector<agents::AgentSpec>& specs, const FileAccess& files) {
   check_count(specs.size());
   for (agents::AgentSpec& spec : specs) {
@@ -166,7 +165,7 @@ void check_routes(const Experiment& experiment) {
   }
 }
 
-/// How many neighbour cells an agent must hear of in a generated world: its parameter of that name, if it has one.
+/// How many neighbour cells an agent reads in a generated world: its parameter "neighbours", or 0 if it has none.
 int needed_neighbours(const agents::AgentSpec& spec) {
   const std::vector<ParameterSpec>& table = agents::agent_type(spec.type).parameters;
   const bool has_any =

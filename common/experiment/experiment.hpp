@@ -20,8 +20,8 @@ enum class WorldKind : std::uint8_t { generated, measured };
 /// One point of the sweep: a world whose parameters are all fixed.
 struct Condition {
   std::uint32_t index = 0;
-  std::string
-      name;  ///< the swept values, e.g. "bs_density_per_km2=2.5"; the world's own "name" or kind if nothing is swept
+  /// The swept values, e.g. "bs_density_per_km2=2.5"; the world's own "name" or kind if nothing is swept.
+  std::string name;
   nlohmann::json parameters;  ///< the swept values alone
   WorldKind kind = WorldKind::generated;
   Parameters world;  ///< table: generated_world_parameters() or measured_world_parameters()
@@ -38,7 +38,7 @@ struct Experiment {
   std::uint32_t trials = 0;  ///< per condition
   OnAgentLoss on_agent_loss = OnAgentLoss::restart;
   std::uint32_t max_attempts = 3;
-  flight::Costs costs;  ///< but for the step length, which is the world's: see costs_in
+  flight::Costs costs;  ///< except the step length, which is the world's: see costs_in
   std::vector<Condition> conditions;
   std::vector<agents::AgentSpec> agents;
   /// Canonical form: every default filled in, keys sorted. Parsing it again gives an equal experiment.
@@ -46,7 +46,7 @@ struct Experiment {
   std::string id;  ///< 16 hexadecimal digits: hash of `canonical` without what cannot change a result (description,
                    ///< file paths; a file counts by its SHA-256)
 
-  /// Of flights in this condition.
+  /// The costs of flights in this condition.
   [[nodiscard]] flight::Costs costs_in(const Condition& condition) const;
   [[nodiscard]] const agents::AgentSpec& agent(std::string_view agent_name) const;  ///< InputError if there is none
 };
@@ -67,12 +67,12 @@ struct Overrides {
 /// The same from a JSON text (a canonical form that came over the wire or out of a result folder).
 [[nodiscard]] Experiment parse(std::string_view json, std::string_view where, const Overrides& overrides = {});
 
-/// 0: the trials of a condition are independent. k: trial t may only be flown when trial t - k is stored, because some
-/// agents start with what they remember of an earlier trial (agents::AgentSpec::lineages). With several such agents,
-/// the greatest common divisor serves them all.
+/// 0: the trials of a condition are independent. k: trial t is flown only after trial t - k is stored, because some
+/// agents carry their memory from trial to trial (agents::AgentSpec::lineages); k is the greatest common divisor of
+/// their numbers of lineages.
 [[nodiscard]] std::uint32_t trial_lineages(const Experiment& experiment);
 
-/// Two ids of one flight.
+/// The place of a flight in its experiment.
 struct FlightKey {
   std::uint32_t condition = 0;
   std::uint32_t trial = 0;

@@ -223,7 +223,7 @@ TEST_CASE("paths in an experiment file count from its folder, those of overrides
   CHECK_THROWS_WITH(load("../experiments/all.json", {.set = {"worlds.0.file=flight.csv"}}),
                     Contains("worlds[0].file") && Contains((elsewhere / "flight.csv").string()) &&
                         Contains("count from that file's folder"));
-  // What stands in the file is never looked for anywhere else.
+  // A path in the file is never searched for in another folder.
   write_file(inside / "wrong.json", R"({"name": "x", "trials": 1, "agents": ["min-height"],
     "world": {"kind": "measured", "file": "mine.csv"}})");
   CHECK_THROWS_WITH(load("../experiments/wrong.json"), Contains((inside / "mine.csv").string()));
@@ -257,13 +257,13 @@ TEST_CASE("ids ignore what cannot change a result, and nothing else") {
                                         parsed(R"("world": {})", "", {.agents = {"constant-120", "min-height"}}).id};
   CHECK(different.size() == 10);
 
-  // Results from before there were costs keep their identity.
+  // Results that were stored before costs existed keep their id.
   nlohmann::json before = parsed(R"("world": {})").canonical;
   for (const char* key : {"energy_weight", "handover_cost", "speed_m_per_s"}) REQUIRE(before.erase(key) == 1);
   CHECK(id_of(before) == parsed(R"("world": {})").id);
 }
 
-TEST_CASE("what makes two experiments different is told in words") {
+TEST_CASE("the differences between two experiments are given in words") {
   const Experiment a = parsed(R"("world": {"bs_density_per_km2": [1, 2]})");
   const auto told = [&](const Experiment& b) { return describe_differences(a.canonical, b.canonical); };
   CHECK(told(a).empty());
@@ -351,7 +351,7 @@ TEST_CASE("episode ids differ for every flight and experiment") {
   CHECK(episode_id(a, {0, 0, "dqn"}) == episode_id(parsed(R"("world": {})"), {0, 0, "dqn"}));
 }
 
-TEST_CASE("the shipped experiments hold what they promise") {
+TEST_CASE("the shipped experiments have the documented conditions, trials and agents") {
   const auto shipped = [](const char* name) { return load(source_dir / "data/experiments" / name); };
   CHECK(condition_names(shipped("bs-density.json")) ==
         std::vector<std::string>{"bs_density_per_km2=1", "bs_density_per_km2=2.5", "bs_density_per_km2=5"});
@@ -363,7 +363,7 @@ TEST_CASE("the shipped experiments hold what they promise") {
   CHECK(quick.conditions.back().kind == WorldKind::measured);
 }
 
-TEST_CASE("every flight of a sweep's conditions shares what the sweep leaves alone") {
+TEST_CASE("conditions of a sweep share the parts of a city that the sweep does not change") {
   const Experiment experiment = parsed(R"("world": {"building_density_per_km2": [100, 300]})");
   const world::City few = make_city(experiment, experiment.conditions[0], 1);
   const world::City many = make_city(experiment, experiment.conditions[1], 1);
@@ -372,7 +372,7 @@ TEST_CASE("every flight of a sweep's conditions shares what the sweep leaves alo
   CHECK(few.building_height_m.size() < many.building_height_m.size());
 }
 
-TEST_CASE("trials wait for each other only if some agent remembers earlier ones") {
+TEST_CASE("trials depend on earlier trials only if an agent remembers those") {
   const auto lineages = [](const std::string& agents) {
     return trial_lineages(parse(R"({"name": "t", "trials": 9, "world": {}, "agents": [)" + agents + "]}", "test"));
   };

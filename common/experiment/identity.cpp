@@ -18,10 +18,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Settings that came after the first results were stored: at their defaults they change nothing.
+/// Settings added when results were already stored: at their defaults they do not enter the id.
 constexpr std::array later_settings{"speed_m_per_s", "energy_weight", "handover_cost"};
 
-/// Of an agent, and of the crew of a relay. Foreign agents got their privilege later: none is as before.
+/// Removes the file paths of an agent and of a relay's crew, and a foreign agent's privilege if it is "none": older
+/// experiments do not have that key.
 void forget_file(Json& agent) {
   const agents::AgentType& type = agents::agent_type(agent.at("type").get<std::string>());
   if (const std::string& file = type.file_parameter; !file.empty()) {
@@ -42,8 +43,8 @@ Json identity(const Json& canonical) {
   return rest;
 }
 
-constexpr std::size_t differences_told = 3;
-constexpr std::size_t names_told = 12;
+constexpr std::size_t differences_shown = 3;
+constexpr std::size_t names_shown = 12;
 constexpr std::size_t value_length = 80;
 
 std::string shortened(const Json& value) {
@@ -59,7 +60,7 @@ std::vector<std::string> names_of(const Json& agents) {
 }
 
 std::string listed(std::vector<std::string> names) {
-  const std::size_t more = names.size() - std::min(names.size(), names_told);
+  const std::size_t more = names.size() - std::min(names.size(), names_shown);
   names.resize(names.size() - more);
   return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
@@ -70,18 +71,18 @@ class Differences {
   Differences(const Json& there, const Json& here) {
     if (const auto agents = std::pair(names_of(there.at("agents")), names_of(here.at("agents")));
         agents.first != agents.second)
-      told_.push_back(fmt::format("the agents are {} there and {} here", listed(agents.first), listed(agents.second)));
+      found_.push_back(fmt::format("the agents are {} there and {} here", listed(agents.first), listed(agents.second)));
     Json a = there;
     Json b = here;
-    if (!told_.empty())
+    if (!found_.empty())
       for (Json* one : {&a, &b}) one->erase("agents");
     compare(a, b, "");
   }
 
   [[nodiscard]] std::string sentence() const {
-    const std::size_t shown = std::min(told_.size(), differences_told);
-    return fmt::format("{}{}", fmt::join(told_.begin(), told_.begin() + static_cast<std::ptrdiff_t>(shown), "; "),
-                       told_.size() > shown ? fmt::format("; and {} more", told_.size() - shown) : "");
+    const std::size_t shown = std::min(found_.size(), differences_shown);
+    return fmt::format("{}{}", fmt::join(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(shown), "; "),
+                       found_.size() > shown ? fmt::format("; and {} more", found_.size() - shown) : "");
   }
 
  private:
@@ -91,9 +92,9 @@ class Differences {
     if (a.is_array() && b.is_array() && a.size() == b.size()) {
       for (std::size_t i = 0; i < a.size(); ++i) compare(a[i], b[i], fmt::format("{}[{}]", path, i));
     } else if (path == "worlds") {
-      told_.push_back(fmt::format("there are {} conditions there and {} here", a.size(), b.size()));
+      found_.push_back(fmt::format("there are {} conditions there and {} here", a.size(), b.size()));
     } else {
-      told_.push_back(fmt::format("{} is {} there and {} here", path, shortened(a), shortened(b)));
+      found_.push_back(fmt::format("{} is {} there and {} here", path, shortened(a), shortened(b)));
     }
   }
 
@@ -106,12 +107,12 @@ class Differences {
       if (in_a && b.contains(item.key()))
         compare(a.at(item.key()), b.at(item.key()), inside);
       else
-        told_.push_back(fmt::format("{} is {} {} and not set {}", inside, shortened(item.value()),
-                                    in_a ? "there" : "here", in_a ? "here" : "there"));
+        found_.push_back(fmt::format("{} is {} {} and not set {}", inside, shortened(item.value()),
+                                     in_a ? "there" : "here", in_a ? "here" : "there"));
     }
   }
 
-  std::vector<std::string> told_;
+  std::vector<std::string> found_;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace aloft::experiment {
 namespace {
 
-/// A name on the bus stands for one agent, wherever it is named.
+/// On the bus a name identifies an agent, so all uses of a name must mean the same agent.
 void check_names(const Experiment& experiment) {
   std::map<std::string, const agents::AgentSpec*> known;
   for (const agents::AgentSpec& spec : experiment.agents) known.emplace(spec.name, &spec);
@@ -28,7 +28,7 @@ void check_names(const Experiment& experiment) {
 
 void check_steps(const Experiment& experiment, const agents::AgentSpec& relay) {
   for (const Condition& condition : experiment.conditions) {
-    if (condition.kind != WorldKind::generated) continue;  // how long a measured flight is, its file says
+    if (condition.kind != WorldKind::generated) continue;  // the file determines the length of a measured flight
     const auto steps = static_cast<std::uint32_t>(condition.world.integer("steps"));
     for (const agents::CrewMember& member : relay.crew)
       if (member.from_step > steps)
@@ -57,7 +57,7 @@ void check_relays(const Experiment& experiment) {
   if (experiment.on_agent_loss == OnAgentLoss::failover &&
       std::none_of(experiment.agents.begin(), experiment.agents.end(), is_relay))
     throw InputError(
-        "on_agent_loss: \"failover\" needs somebody who can take over: put the agents that share a flight into the "
+        "on_agent_loss: \"failover\" needs an agent that can take over: put the agents that share a flight into the "
         "crew of an agent of type 'relay'");
   for (const agents::AgentSpec& relay : experiment.agents) {
     if (!is_relay(relay)) continue;

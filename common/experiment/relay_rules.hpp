@@ -4,9 +4,8 @@
 
 namespace aloft::experiment {
 
-/// What the relays of an experiment must agree on with the rest of it: one name stands for one agent; nobody takes over
-/// after the last step; somebody can take over where "on_agent_loss" is "failover", and nobody is aboard in vain where
-/// it is "restart". InputError otherwise.
+/// Checks the relays of an experiment (InputError): one name means one agent; no member takes over after the last step;
+/// with "on_agent_loss" "failover" there is an agent that can take over, with "restart" every member gets to fly.
 void check_relays(const Experiment& experiment);
 
 }  // namespace aloft::experiment

@@ -43,7 +43,7 @@ Json world_schema(const char* kind, std::span<const ParameterSpec> table) {
   properties["name"] = {{"type", "string"},
                         {"minLength", 1},
                         {"maxLength", max_world_name_bytes},
-                        {"description", "Names the condition, beside the swept values."}};
+                        {"description", "Name of the condition; the swept values are appended to it."}};
   properties["swept"] = {{"type", "array"},
                          {"items", {{"type", "string"}}},
                          {"description", "Only in resolved experiments: which parameters were swept."}};
@@ -83,7 +83,7 @@ Json any_crew() {
   return {{"type", "array"},
           {"minItems", 2},
           {"maxItems", agents::max_crew},
-          {"description", "Who shares the flights; the first flies from step 1."},
+          {"description", "The agents that share each flight; the first flies from step 1."},
           {"items",
            {{"type", "object"},
             {"required", Json::array({"agent"})},
@@ -125,7 +125,7 @@ Json experiment_schema() {
                         {"minimum", 0},
                         {"exclusiveMaximum", 0x1p64},
                         {"default", default_seed},
-                        {"description", "Of all randomness; below 2^64."}};
+                        {"description", "Seed of all randomness; below 2^64."}};
   properties["world"] = any_world();
   properties["worlds"] = {{"type", "array"},
                           {"minItems", 1},
@@ -134,7 +134,7 @@ Json experiment_schema() {
   properties["agents"] = {{"type", "array"},
                           {"minItems", 1},
                           {"maxItems", limits::agents},
-                          {"description", "Who flies; every agent flies in the same worlds."},
+                          {"description", "The agents that fly, all in the same worlds."},
                           {"items", any_agent()}};
   return {{"$schema", "http://json-schema.org/draft-07/schema#"},
           {"title", "Aloft experiment"},
@@ -148,17 +148,17 @@ Json experiment_schema() {
 std::span<const ParameterSpec> file_settings() {
   static const std::vector<ParameterSpec> table{
       text_parameter("name", "",
-                     "Of the experiment: letters, digits, '-', '_', '.'; result folders are named after it."),
+                     "Name of the experiment: letters, digits, '-', '_', '.'; result folders are named after it."),
       text_parameter("description", "", "For readers; changes no result."),
       integer_parameter("trials", 1, 1, 10'000'000, "Worlds per condition; every agent flies in each."),
       choice_parameter("on_agent_loss", "restart", {"restart", "failover"},
                        "When an agent is lost: fly again from the start, or let the next agent take over."),
-      integer_parameter("max_attempts", 3, 1, 100, "How often a trial that fails is tried."),
+      integer_parameter("max_attempts", 3, 1, 100, "How many times a failing trial is tried."),
       number_parameter("speed_m_per_s", flight::Costs{}.speed_m_per_s, 1, 40,
-                       "Of the UAV along its route, for its energy; a step of a measured flight counts as 10 m."),
-      number_parameter("energy_weight", 0, 0, 1e4, "Taken off the reward per joule, in bit/s/Hz or kbit/s."),
+                       "Speed of the UAV along its route, for its energy; a step of a measured flight counts as 10 m."),
+      number_parameter("energy_weight", 0, 0, 1e4, "Subtracted from the reward per joule, in bit/s/Hz or kbit/s."),
       number_parameter("handover_cost", 0, 0, 1e6,
-                       "Taken off the reward per change of serving cell, in bit/s/Hz or kbit/s."),
+                       "Subtracted from the reward per change of serving cell, in bit/s/Hz or kbit/s."),
   };
   return table;
 }

@@ -31,7 +31,7 @@ TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tab
   Json made = experiment_schema();
   if (std::getenv("ALOFT_WRITE_SCHEMA") != nullptr) write_file(file, made.dump(2) + "\n");
   Json shipped = Json::parse(read_file(file));
-  // An agent that somebody adds works without an entry of its own; an entry that is there has to be right.
+  // A new agent works without an entry in the shipped schema; an entry that exists must be right.
   const Json rules = agent_rules(shipped);
   Json known = Json::array();
   for (const Json& rule : agent_rules(made))
@@ -42,7 +42,7 @@ TEST_CASE("data/schema/experiment.schema.json is the schema of the parameter tab
   CHECK(Json::diff(shipped, made) == Json::array());
 }
 
-TEST_CASE("the schema accepts what the shipped experiments hold, and their resolved forms") {
+TEST_CASE("the schema accepts the shipped experiments and their resolved forms") {
   for (const auto& entry : std::filesystem::directory_iterator(repository / "data/experiments")) {
     INFO(entry.path());
     CHECK(schema_errors(Json::parse(read_file(entry.path()))).empty());

@@ -27,7 +27,7 @@ std::string json_path(const std::string& context) {
   return path.empty() ? "the file" : path;
 }
 
-/// Numbers as JSON Schema sees them: 5.0 is an integer, and none is too large. Valijson takes 5.0 for none, and reads
+/// Changes numbers so that Valijson judges them as JSON Schema does: it does not accept 5.0 as an integer, and reads
 /// whole numbers from 2^63 as negative.
 void make_readable(nlohmann::json& value) {
   if (value.is_structured()) {
@@ -55,7 +55,7 @@ const valijson::Schema& parsed_schema() {
 
 std::vector<std::string> schema_errors(const nlohmann::json& document) {
   nlohmann::json readable = document;
-  // The seed's whole range is allowed.
+  // Halved, because a seed can have all 64 bits and must stay an integer below 2^63 here.
   if (readable.is_object() && readable.contains("seed") && readable["seed"].is_number_unsigned())
     readable["seed"] = readable["seed"].get<std::uint64_t>() >> 1U;
   make_readable(readable);
@@ -64,7 +64,7 @@ std::vector<std::string> schema_errors(const nlohmann::json& document) {
   validator.validate(parsed_schema(), valijson::adapters::NlohmannJsonAdapter(readable), &results);
   std::vector<std::string> errors;
   for (const auto& error : results) {
-    // These say only that a part of the schema failed whose own errors are listed, too.
+    // Such an error says only that a part of the schema failed; the errors of that part are listed, too.
     if (error.description.find("associated with") != std::string::npos) continue;
     std::string context;
     for (const std::string& part : error.context) context += part;

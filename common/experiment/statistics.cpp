@@ -34,7 +34,8 @@ Interval normal_ci95(std::span<const double> sample) {
   double squares = 0.0;
   for (const double x : sample) squares += (x - centre) * (x - centre);
   const auto n = static_cast<double>(sample.size());
-  const double half_width = normal_quantile_975 * std::sqrt(squares) / n;  // of the resampled mean: variance / n
+  // The variance of a resampled mean is squares / n^2.
+  const double half_width = normal_quantile_975 * std::sqrt(squares) / n;
   return {centre - half_width, centre + half_width};
 }
 
@@ -42,8 +43,7 @@ bool all_equal(std::span<const double> sample) {
   return std::all_of(sample.begin(), sample.end(), [&](double x) { return x == sample.front(); });
 }
 
-/// Means of `resamples` resamples: [sample][resample]. Every sample sees the same draws, which makes the draws, the
-/// expensive part, free for all but the first.
+/// Means of `resamples` resamples: [sample][resample]. All samples share the draws, which are the expensive part.
 std::vector<std::vector<double>> resampled_means(std::span<const std::span<const double>> samples, std::uint64_t seed) {
   const std::size_t size = samples.front().size();
   const std::size_t width = samples.size();

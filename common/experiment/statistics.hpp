@@ -11,20 +11,21 @@ struct Interval {
   double low = 0.0;
   double high = 0.0;
 
-  /// False (NaN): a sample of one value, or of equal ones, has none. It says nothing of how far the next may lie.
+  /// False (NaN) for a sample of one value or of equal ones, which tells nothing about the spread.
   [[nodiscard]] bool known() const noexcept { return std::isfinite(low) && std::isfinite(high); }
 };
 
-/// Arithmetic mean, summed in order. NaN for an empty sample, as are all below.
+/// Arithmetic mean, summed in order. NaN for an empty sample, as all functions below give.
 [[nodiscard]] double mean(std::span<const double> sample);
-/// Linear interpolation between order statistics (R's type 7); p in [0, 1].
+/// Linear interpolation between order statistics (type 7 of Hyndman and Fan 1996, R's default); p in [0, 1].
 [[nodiscard]] double quantile(std::span<const double> sample, double p);
-/// Mean of the middle half: the lowest and highest 25 % are left out, with fractional weights.
+/// Mean of the middle half: the lowest and highest 25 % are left out, with fractional weights (recommended by Agarwal
+/// et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice, 2021).
 [[nodiscard]] double interquartile_mean(std::span<const double> sample);
 
-/// 95 % percentile bootstrap interval of the mean: 10,000 resamples, seeded, so equal samples give equal intervals.
-/// Samples of more than 10,000 get the normal interval that the bootstrap converges to. Not known() where there is
-/// nothing to resample: one trial, or equal values, as of a deterministic agent over a measured flight.
+/// 95 % percentile bootstrap interval (Efron 1979) of the mean: 10,000 resamples, seeded, so equal samples give equal
+/// intervals. Samples of more than 10,000 get the normal interval that the bootstrap converges to. Not known() where
+/// there is nothing to resample: one trial, or equal values, e.g. of a deterministic agent over a measured flight.
 [[nodiscard]] Interval bootstrap_ci95(std::span<const double> sample, std::uint64_t seed);
 /// The same for several samples of one size at little more than the cost of one: they share the draws.
 [[nodiscard]] std::vector<Interval> bootstrap_ci95(std::span<const std::span<const double>> samples,

@@ -8,7 +8,7 @@
 using namespace aloft::experiment;
 using Sample = std::vector<double>;
 
-TEST_CASE("the mean of nothing is not a number") {
+TEST_CASE("all statistics of an empty sample are NaN") {
   CHECK(mean(Sample{1, 2, 6}) == 3.0);
   CHECK(std::isnan(mean(Sample{})));
   CHECK(std::isnan(quantile(Sample{}, 0.5)));
@@ -27,7 +27,7 @@ TEST_CASE("quantiles are those of R's quantile(x, p), type 7") {
   CHECK(quantile(Sample{7.0}, 0.975) == 7.0);
 }
 
-TEST_CASE("the interquartile mean weighs the edges of the middle half") {
+TEST_CASE("the interquartile mean gives the edges of the middle half fractional weights") {
   // Both from the article "Interquartile mean" in Wikipedia; the last by hand.
   CHECK(interquartile_mean(Sample{5, 8, 4, 38, 8, 6, 9, 7, 7, 3, 1, 6}) == Approx(6.5));
   CHECK(interquartile_mean(Sample{1, 3, 5, 7, 9, 11, 13, 15, 17}) == Approx(9.0));

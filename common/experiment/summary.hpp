@@ -18,7 +18,7 @@ struct FlightSummary {
   std::string digest{};  ///< SHA-256 of the encoded trace
 };
 
-/// What is measured in worlds of this kind.
+/// The quality that is measured in worlds of this kind.
 [[nodiscard]] radio::QosKind qos_kind(WorldKind kind) noexcept;
 /// "bit/s/Hz" (generated) or "kbit/s" (measured).
 [[nodiscard]] std::string_view qos_unit(WorldKind kind);
@@ -27,8 +27,8 @@ struct FlightSummary {
 /// order, each agent with its privilege and its number of trials; mean, 95 % bootstrap interval and quartiles of the
 /// quality, the means of all other metrics, and the gain over the min-height agent on the same trials. Numbers that do
 /// not exist are null (no trials; no min-height agent), and so are intervals where nothing varies (one trial; the same
-/// value in all). `qos_unit` stands at every condition, and at the top if all share it, else null there. `flights` are
-/// sorted by trial within each (condition, agent).
+/// value in all). `qos_unit` is given for every condition, and at the top if all share it, else null there. `flights`
+/// are sorted by trial within each (condition, agent).
 [[nodiscard]] nlohmann::ordered_json summarise(const Experiment& experiment, std::span<const FlightSummary> flights,
                                                std::string_view build);
 

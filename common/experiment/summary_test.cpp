@@ -75,7 +75,7 @@ TEST_CASE("a summary gives every statistic of every agent, by hand") {
   CHECK(dqn["gain_over_min_height_ci95"] == OrderedJson::array({1.0, 3.0}));
 }
 
-TEST_CASE("min-height gains nothing over itself, in every trial: without an interval") {
+TEST_CASE("min-height gains 0 over itself in every trial, so there is no interval") {
   const OrderedJson summary = summarise(two_conditions(), some_flights(), "");
   const OrderedJson& agent = summary["conditions"][0]["agents"]["min-height"];
   CHECK(agent["gain_over_min_height_mean"] == 0.0);
@@ -130,7 +130,7 @@ TEST_CASE("every agent carries its tier of privilege") {
   Experiment experiment = two_conditions();
   experiment.agents.push_back({"ahead", "one-step-ahead", {}, {}});
   experiment.agents.push_back({"planner", "planner", {}, {}});
-  agents::AgentSpec relay{"both", "relay", {}, {}};  // which experiment files refuse
+  agents::AgentSpec relay{"both", "relay", {}, {}};  // an experiment file must not have such a relay
   relay.crew.push_back({{"a", "min-height", {}, {}}, 1, true});
   relay.crew.push_back({{"b", "planner", {}, {}}, 51, true});
   experiment.agents.push_back(relay);
@@ -146,7 +146,7 @@ TEST_CASE("every agent carries its tier of privilege") {
                  Contains("* sees the next step at every height, ** sees the whole route at every height."));
 }
 
-TEST_CASE("one unit for all conditions stands at the top") {
+TEST_CASE("a unit that all conditions share is given at the top") {
   Experiment experiment = two_conditions();
   experiment.conditions.pop_back();
   CHECK(summarise(experiment, {}, "")["qos_unit"] == "bit/s/Hz");
@@ -170,7 +170,7 @@ TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {
   CHECK(second - first == table.find("\n", second + 1) - second);
 }
 
-TEST_CASE("the table fits the terminal: what can be spared is left out and named, in all conditions the same") {
+TEST_CASE("the table fits the terminal: less important columns are left out and named, the same in all conditions") {
   const OrderedJson summary = summarise(two_conditions(), some_flights(), "");
   const auto lines = [](const std::string& text) {
     std::vector<std::string> all;

@@ -23,7 +23,7 @@ std::string csv_cell(const OrderedJson& value) {
 
 namespace {
 
-/// A number in `unit`, three or four digits that matter.
+/// A number in `unit` with two decimals; "-" if there is none.
 std::string digits(const OrderedJson& value, double unit) {
   return value.is_null() ? "-" : fmt::format("{:.2f}", value.get<double>() / unit);
 }
@@ -46,7 +46,7 @@ std::string gain(const OrderedJson& agent, double unit) {
   return fmt::format("{:+.2f}{}", mean.get<double>() / unit, ci95.is_null() ? "" : " " + interval(ci95, unit));
 }
 
-/// Of one flight there are none.
+/// One flight has no quartiles.
 std::string quartiles(const OrderedJson& agent, double unit) {
   if (agent["trials"] < 2) return "-";
   return interval(OrderedJson::array({agent["qos_q25"], agent["qos_q75"]}), unit);
@@ -91,7 +91,7 @@ bool has_agent(const OrderedJson& summary, Predicate predicate) {
 }  // namespace
 
 std::string summary_csv(const OrderedJson& summary) {
-  std::vector<std::string> numbers;  // all agents have the same
+  std::vector<std::string> numbers;  // all agents have the same keys
   for (const auto& [key, value] : summary.at("conditions").at(0).at("agents").front().items())
     if (key != "privilege") numbers.push_back(key);
   std::string text = "condition,agent,privilege,qos_unit";

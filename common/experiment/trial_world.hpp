@@ -13,11 +13,11 @@ namespace aloft::experiment {
 /// The city of one trial of a generated condition.
 [[nodiscard]] world::City make_city(const Experiment& experiment, const Condition& condition, std::uint32_t trial);
 
-/// The flight of a measured condition, the same in every trial. Throws InputError if the file is not, or no longer,
-/// what the experiment was resolved with.
+/// The flight of a measured condition, the same in every trial. Throws InputError if the file cannot be read, or is not
+/// the one that the experiment was resolved with.
 [[nodiscard]] world::MeasuredFlight read_measured_flight(const Condition& condition);
 
-/// What a trial flies over, before any radio.
+/// The world of a trial, without the radio.
 using TrialWorld = std::variant<world::City, world::MeasuredFlight>;
 
 [[nodiscard]] TrialWorld make_world(const Experiment& experiment, const Condition& condition, std::uint32_t trial);
@@ -27,7 +27,7 @@ using TrialWorld = std::variant<world::City, world::MeasuredFlight>;
 [[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment,
                                                                 const Condition& condition, std::uint32_t trial,
                                                                 const TrialWorld& world);
-/// Over the world that make_world() gives.
+/// The same over the world that make_world() gives.
 [[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment,
                                                                 const Condition& condition, std::uint32_t trial);
 

@@ -16,7 +16,7 @@ const Experiment& test_experiment() {
 
 }  // namespace
 
-TEST_CASE("a map over the world of a trial is the trial's") {
+TEST_CASE("a signal map over a world that was passed in equals the trial's own") {
   const Experiment& experiment = test_experiment();
   const Condition& condition = experiment.conditions[0];
   const auto direct = make_signal_map(experiment, condition, 1);

@@ -18,12 +18,12 @@ namespace {
 
 constexpr agents::TrainingWorlds made_for = agents::training_worlds;
 
-/// In what a world differs from those of training; the same of several worlds is told as one.
+/// A difference between a world and the training worlds; equal differences of several worlds are merged.
 struct Mismatch {
   std::string what;
   std::string expected;
-  std::string value{};  ///< of something that is no number
-  double least = 0.0;   ///< of a number, over all worlds
+  std::string value{};  ///< of a parameter that is not a number
+  double least = 0.0;   ///< of a number, over all merged worlds
   double most = 0.0;
 
   [[nodiscard]] std::string text() const {
@@ -49,7 +49,7 @@ Mismatches differences_of(const Parameters& world) {
               made_for.bs_density_max_per_km2);
   check_range(differences, "building_density_per_km2", world.number("building_density_per_km2"),
               made_for.building_density_min_per_km2, made_for.building_density_max_per_km2);
-  // A finer table is for agents that jump.
+  // height_resolution_m is not compared: a finer table matters only to agents that jump.
   static const std::vector<std::string> elsewhere{"bs_density_per_km2", "building_density_per_km2", "preset",
                                                   "height_resolution_m"};
   const Parameters published = radio::resolve_generated_world(nlohmann::json::object(), "");
@@ -71,7 +71,7 @@ Mismatches differences_of(const world::MeasuredFlight& flight) {
   return differences;
 }
 
-/// Conditions that are told together.
+/// Conditions that share one warning.
 struct Group {
   Mismatches differences;
   std::vector<std::string> conditions;
@@ -93,11 +93,11 @@ void add(std::vector<Group>& groups, const Mismatches& differences, const std::s
 
 /// "condition 'a'", "conditions 'a', 'b', 'c' and 7 more".
 std::string named(const std::vector<std::string>& conditions) {
-  constexpr std::size_t told = 3;
+  constexpr std::size_t shown = 3;
   std::vector<std::string> quoted;
-  for (std::size_t i = 0; i < std::min(told, conditions.size()); ++i) quoted.push_back("'" + conditions[i] + "'");
+  for (std::size_t i = 0; i < std::min(shown, conditions.size()); ++i) quoted.push_back("'" + conditions[i] + "'");
   return fmt::format("condition{} {}{}", conditions.size() == 1 ? "" : "s", fmt::join(quoted, ", "),
-                     conditions.size() > told ? fmt::format(" and {} more", conditions.size() - told) : "");
+                     conditions.size() > shown ? fmt::format(" and {} more", conditions.size() - shown) : "");
 }
 
 std::optional<world::MeasuredFlight> readable_flight(const Condition& condition) {
@@ -105,7 +105,7 @@ std::optional<world::MeasuredFlight> readable_flight(const Condition& condition)
   try {
     return read_measured_flight(condition);
   } catch (const InputError&) {
-    return std::nullopt;  // whoever flies it says so
+    return std::nullopt;  // a flight over it reports the error
   }
 }
 

@@ -44,7 +44,7 @@ std::string flight_csv(int steps, int heights) {
 TEST_CASE("worlds like those of training give no warning, others name every difference") {
   CHECK(warnings(over(R"({"bs_density_per_km2": [1, 2.5, 5], "building_density_per_km2": [100, 300]})")).empty());
   CHECK(warnings(over(R"({"height_resolution_m": 10})")).empty());
-  CHECK(warnings(over(R"({"preset": "geometric"})", "", "\"dqn\"")).empty());  // it learns on the spot
+  CHECK(warnings(over(R"({"preset": "geometric"})", "", "\"dqn\"")).empty());  // it learns in flight
 
   const auto geometric = warnings(over(R"({"preset": "geometric"})"));
   REQUIRE(geometric.size() == 1);
@@ -63,7 +63,7 @@ TEST_CASE("the same warning about several conditions is one") {
   CHECK_THAT(sweep[0].text,
              Contains("conditions 'bs_density_per_km2=6', 'bs_density_per_km2=7', "
                       "'bs_density_per_km2=8' and 7 more: bs_density_per_km2 6 to 15 instead of 1 to 5"));
-  // What differs in kind is told apart.
+  // Conditions with different kinds of differences get a warning each.
   CHECK(warnings(over(R"({"bs_density_per_km2": [6, 7], "los_ray": ["published", "geometric"]})")).size() == 2);
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("a model file counts by its content, wherever it lies; a report does n
   const Experiment one = with_model(shipped);
   const Experiment other = with_model(folder.path / "copy.pb");
   CHECK(one.id == other.id);
-  CHECK(one.id != over("{}").id);  // the built-in model may be another one day
+  CHECK(one.id != over("{}").id);  // a later Aloft can have another built-in model
   const std::string sha256 = one.agent("pretrained").parameters.text("model_sha256");
   CHECK(sha256.size() == 64);
 

@@ -8,12 +8,12 @@
 
 namespace aloft::experiment {
 
-/// How files named in an experiment are used.
+/// Whether the files named in an experiment are read.
 struct FileAccess {
   bool always_read = true;  ///< false: a file whose SHA-256 is already known is not touched
 };
 
-/// Of a world of kind "measured": the file and the SHA-256 of what it held when the experiment was resolved.
+/// Parameters of a world of kind "measured": the file, and its SHA-256 when the experiment was resolved.
 [[nodiscard]] std::span<const ParameterSpec> measured_world_parameters();
 
 /// A measured world with the path made absolute and the SHA-256 filled in. Throws InputError if the file cannot be

@@ -26,8 +26,8 @@ constexpr int busy_timeout_ms = 5000;
 constexpr std::uintmax_t no_room_bytes = 1U << 20U;
 
 // The comments are kept in the database, and docs/reference/database.md is made from them.
-// One order of flights, `id`, and no second index that could disagree. `seal`: SQLite itself does not notice a changed
-// number.
+// Flights have one order, `id`, and no second index that could disagree with it. `seal` is there because SQLite does
+// not notice a changed number.
 constexpr std::string_view schema = R"(
 CREATE TABLE experiment (  -- What was flown: one row.
   one INTEGER PRIMARY KEY CHECK (one = 1),  -- Always 1.
@@ -50,7 +50,7 @@ CREATE TABLE trace (  -- The steps of every flight.
 ) STRICT;
 )";
 
-// None is ever removed, so a row that is missing was removed by somebody else.
+// Aloft never removes a flight, so a missing row was removed by another program.
 constexpr std::string_view tally_schema = R"(
 CREATE TABLE tally (  -- How many flights were ever stored; a trigger counts them.
   one INTEGER PRIMARY KEY CHECK (one = 1),  -- Always 1.
@@ -64,20 +64,20 @@ CREATE TRIGGER count_flights AFTER INSERT ON flight BEGIN
 END;
 )";
 
-// Not part of any result.
+// These tables are not part of any result.
 constexpr std::string_view later_schema = R"(
-CREATE TABLE IF NOT EXISTS memory (  -- What agents that remember earlier flights ended the latest flight of each lineage with.
+CREATE TABLE IF NOT EXISTS memory (  -- The memory of agents that learn over several flights, after the latest flight of each lineage.
   condition INTEGER NOT NULL,  -- From 0, in the order of the sweep.
   agent TEXT NOT NULL,  -- Its name in the experiment.
   lineage INTEGER NOT NULL,  -- trial modulo the agent's parameter lineages.
-  trial INTEGER NOT NULL,  -- After which the memory was taken.
+  trial INTEGER NOT NULL,  -- Trial of the flight after which the memory was saved.
   digest TEXT NOT NULL,  -- SHA-256 of condition, trial, agent and bytes.
   bytes BLOB NOT NULL,  -- State of the agent, Protobuf.
   PRIMARY KEY (condition, agent, lineage)
 ) STRICT;
-CREATE TABLE IF NOT EXISTS writer (  -- Which process writes into the database: one row, by which the coordinator knows its collector.
+CREATE TABLE IF NOT EXISTS writer (  -- Which process writes into the database: one row, by which the coordinator recognises its collector.
   one INTEGER PRIMARY KEY CHECK (one = 1),  -- Always 1.
-  incarnation INTEGER NOT NULL,  -- Random, of this start of the process alone.
+  incarnation INTEGER NOT NULL,  -- Random, new at every start of the process.
   host TEXT NOT NULL,  -- Name of its machine.
   pid INTEGER NOT NULL,  -- Number of the process.
   since_s INTEGER NOT NULL  -- Unix time of its start.
@@ -103,7 +103,7 @@ void create_schema(SQLite::Database& database) {
   transaction.commit();
 }
 
-/// A line for every metric.
+/// The lines of the schema for the metrics: those of Aloft 0.2.0 in the order of that version, then the others.
 std::string metric_columns() {
   std::vector<flight::Metric> metrics(flight::metrics().begin(), flight::metrics().end());
   const auto place = [](const flight::Metric& metric) {
@@ -123,8 +123,8 @@ void check_identity(SQLite::Database& database, const std::filesystem::path& fil
   if (const int version = pragma(database, "user_version");
       version < version_without_tally || version > version_with_later_metrics)
     throw InputError(
-        fmt::format("'{}' has format {}, this program reads format {}; use the version of Aloft that wrote "
-                    "it, or another folder",
+        fmt::format("'{}' has format {}, this program reads format {}; use the version of Aloft that wrote it, or "
+                    "another folder",
                     file.string(), version, database_version()));
 }
 
@@ -133,8 +133,8 @@ void check_structure(SQLite::Database& database, const std::filesystem::path& fi
   if (found != "ok") refuse_damaged(file, found);
 }
 
-/// Rows that were removed would look like flights that were never flown. Each statement sees one moment of a database
-/// that somebody else may be writing.
+/// Without this check, flights whose rows were removed would look as if never flown. Each statement sees one snapshot:
+/// another process may be writing.
 void check_rows(SQLite::Database& database, const std::filesystem::path& file) {
   SQLite::Statement traceless(database,
                               "SELECT flight.id FROM flight LEFT JOIN trace ON trace.flight = flight.id "
@@ -181,8 +181,8 @@ std::unique_ptr<SQLite::Database> open_for_writing(const std::filesystem::path& 
   return database;
 }
 
-/// A folder that cannot be written, such as a mounted archive, has no room for the shared memory of the WAL mode. Then
-/// nobody else writes either.
+/// In a read-only folder, such as a mounted archive, SQLite cannot create the shared memory of the WAL mode. No other
+/// process can write there either, so the database is opened as immutable.
 std::unique_ptr<SQLite::Database> open_for_reading(const std::filesystem::path& file) {
   try {
     auto database = std::make_unique<SQLite::Database>(file.string(), SQLite::OPEN_READONLY, busy_timeout_ms);
@@ -266,13 +266,12 @@ void refuse_damaged(const std::filesystem::path& file, std::string_view what) {
 
 WriterLock::WriterLock(const std::filesystem::path& dir)
     : fd_(::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  // File systems without such locks are taken as they are.
+  // A file system without such locks is used without protection.
   if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   ::close(fd_);
-  throw InputError(
-      fmt::format("'{}' is being written by another Aloft process; wait for it, stop it, or use another "
-                  "folder for --out",
-                  dir.string()));
+  throw InputError(fmt::format(
+      "'{}' is being written by another Aloft process; wait for it, stop it, or use another folder for --out",
+      dir.string()));
 }
 
 WriterLock::~WriterLock() {

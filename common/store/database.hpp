@@ -16,18 +16,18 @@ inline constexpr const char* log_folder = "log";
 enum class Access : std::uint8_t { read, write };
 
 /// Opens (writing: or creates) a result database and checks its structure, and that no row was removed. Throws
-/// InputError if it is not ours or cannot be opened, IntegrityError with a hint if it is damaged.
+/// InputError if it is not of Aloft or cannot be opened, IntegrityError with a hint if it is damaged.
 [[nodiscard]] std::unique_ptr<SQLite::Database> open_database(const std::filesystem::path& file, Access access);
 
 /// The SQL that makes the tables of a new database; comments tell what each table and column holds.
 [[nodiscard]] std::string database_schema();
-/// Of that structure: 3, or 4 with metrics that Aloft 0.2.0 does not know.
+/// The number of that format: 3, or 4 with metrics that Aloft 0.2.0 does not know.
 [[nodiscard]] int database_version();
 /// A column of table `flight` in SQL: "energy_j REAL NOT NULL".
 [[nodiscard]] std::string column_of(const flight::Metric& metric);
 
-/// Brings a database that an older Aloft wrote to today's format, but for the columns of table `flight`. Call it inside
-/// a transaction.
+/// Brings a database that an older Aloft wrote to the present format, except the columns of table `flight` (see
+/// FlightTable::add_missing_columns). Call it inside a transaction.
 void update_format(SQLite::Database& database);
 
 /// True if its file was moved or removed since it was opened.
@@ -36,13 +36,13 @@ void update_format(SQLite::Database& database);
 /// Throws like open_database.
 [[nodiscard]] std::int64_t count_flights(const std::filesystem::path& file);
 
-/// Turns what SQLite reports into our errors: IntegrityError, StoreFull, InputError, or std::runtime_error.
+/// Throws the error of Aloft for an error of SQLite: IntegrityError, StoreFull, InputError, or std::runtime_error.
 [[noreturn]] void rethrow(const SQLite::Exception& error, const std::filesystem::path& file);
 
-/// What to do about a damaged database; `what` is wrong with it.
+/// Throws IntegrityError: `what` is wrong with the database, and what to do about it.
 [[noreturn]] void refuse_damaged(const std::filesystem::path& file, std::string_view what);
 
-/// Runs `work` with rethrow.
+/// Runs `work`; errors of SQLite become those of rethrow().
 template <typename Work>
 decltype(auto) with_errors_of(const std::filesystem::path& file, Work&& work) {
   try {
@@ -52,7 +52,8 @@ decltype(auto) with_errors_of(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-/// Only one process may write into a result folder; readers do not care. Held until destroyed, or the process dies.
+/// Lets only one process at a time write into a result folder; readers need no lock. Held until the object is destroyed
+/// or the process ends.
 class WriterLock {
  public:
   /// Throws InputError if another process holds it.

@@ -25,7 +25,7 @@ using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 
 constexpr std::array<std::string_view, 6> other_columns{"id", "condition", "trial", "agent", "digest", "seal"};
 
-/// In the order of the table.
+/// The names of the columns, in the order of the table.
 Names columns_of(SQLite::Database& database) {
   Names names;
   SQLite::Statement rows(database, "SELECT name FROM pragma_table_info('flight') ORDER BY cid");
@@ -51,7 +51,7 @@ Value value_of(const SQLite::Column& column) {
   return column.getString();
 }
 
-/// As the seal covers it.
+/// The text by which a value enters the seal.
 std::string sealed_text(const Value& value) {
   if (const auto* real = std::get_if<double>(&value)) return fmt::format("{}", std::bit_cast<std::uint64_t>(*real));
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
@@ -101,11 +101,12 @@ class FlightTable::Row {
   template <typename Type>
   [[nodiscard]] const Type& get(std::string_view column) const {
     const auto* value = std::get_if<Type>(&at(column));
-    if (value == nullptr) refuse_damaged(file_, fmt::format("column {} of table flight holds something else", column));
+    if (value == nullptr)
+      refuse_damaged(file_, fmt::format("column {} of table flight holds a value of another type", column));
     return *value;
   }
 
-  /// Over all other columns, in the order of the table.
+  /// The hash over all other columns, in the order of the table.
   [[nodiscard]] std::int64_t seal() const {
     std::string text;
     for (std::size_t i = 0; i < columns_.size(); ++i)
@@ -215,7 +216,7 @@ std::optional<std::string> FlightTable::digest(const FlightKey& key) {
 
 std::optional<std::int64_t> FlightTable::visit(std::int64_t from, std::int64_t limit,
                                                const std::function<void(FlightSummary)>& visit) const {
-  // While this statement is under way, all that is read is of one moment: another process may be adding columns.
+  // While this statement is open, all reads see one snapshot: another process may be adding columns.
   SQLite::Statement moment(database_, "SELECT 1 FROM sqlite_master");
   (void)moment.executeStep();
   Row row(columns_of(database_), file_);

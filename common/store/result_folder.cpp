@@ -15,7 +15,7 @@
 namespace aloft::store {
 namespace {
 
-/// Why the file at `path` is not the one behind `fd`; null: it is.
+/// Why the file at `path` is not the one behind `fd`; null if it is.
 const char* change_of(const std::filesystem::path& path, int fd) {
   struct stat there {};
   struct stat ours {};
@@ -25,7 +25,7 @@ const char* change_of(const std::filesystem::path& path, int fd) {
   return there.st_dev == ours.st_dev && there.st_ino == ours.st_ino ? nullptr : "is another file now";
 }
 
-/// Lost and mistaken folders look alike: never start a run among files that are not results.
+/// A run must not start among other files: the folder could be the wrong one, or have lost its database.
 void check_is_empty(const std::filesystem::path& dir) {
   for (const auto& entry : std::filesystem::directory_iterator(dir)) {
     const std::string name = entry.path().filename().string();
@@ -80,10 +80,9 @@ MadeResults make_folder(const std::filesystem::path& dir) {
     if (!std::filesystem::exists(dir / database_name)) check_is_empty(dir);
     made.log_is_new = !std::filesystem::exists(dir / log_folder);
     if (!made.log_is_new && !std::filesystem::is_directory(dir / log_folder))
-      throw InputError(
-          fmt::format("'{}' is a file, but must be a folder: logs go there; move it away, or use another "
-                      "folder for --out",
-                      (dir / log_folder).string()));
+      throw InputError(fmt::format(
+          "'{}' is a file, but must be a folder: logs go there; move it away, or use another folder for --out",
+          (dir / log_folder).string()));
   } catch (const std::filesystem::filesystem_error& error) {
     take_back(made);
     throw InputError(
@@ -107,7 +106,7 @@ void take_back(const MadeResults& made) {
         std::filesystem::remove(made.dir / name, ignored);
     if (made.log_is_new) std::filesystem::remove_all(made.dir / log_folder, ignored);
   }
-  // Only empty ones: others may have put something there.
+  // remove() deletes only empty folders: another process may have put something there.
   for (auto folder = made.folders.rbegin(); folder != made.folders.rend(); ++folder)
     std::filesystem::remove(*folder, ignored);
 }

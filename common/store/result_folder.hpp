@@ -7,13 +7,13 @@
 
 namespace aloft::store {
 
-/// The result folder was deleted, moved or replaced under those who write into it. What they write goes into files that
-/// nobody may ever find again: stop.
+/// The result folder was deleted, moved or replaced while a process was writing into it. What is written from now on
+/// can be lost, so writing must stop.
 class ResultsGone : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Notices when files of a result folder are no longer the ones that they were when the watch began.
+/// Notices when a file of a result folder is no longer the same file as when the watch began.
 class FolderWatch {
  public:
   /// Watches those of `names` in `dir` that are there now.
@@ -22,7 +22,7 @@ class FolderWatch {
   FolderWatch(FolderWatch&&) noexcept = default;
   FolderWatch& operator=(FolderWatch&&) = delete;
 
-  /// Throws ResultsGone that says which file, and what to do. From any thread.
+  /// Throws ResultsGone, which names the file and what to do. From any thread.
   void check() const;
 
  private:
@@ -34,10 +34,10 @@ class FolderWatch {
   std::vector<File> files_;
 };
 
-/// The watch over DIR/results.sqlite, for who does not write into it but starts those who do.
+/// The watch over DIR/results.sqlite, for a process that does not write into it but starts the writers.
 [[nodiscard]] FolderWatch watch_results(const std::filesystem::path& dir);
 
-/// What opening a result folder for writing had to make.
+/// What was created when a result folder was opened for writing.
 struct MadeResults {
   std::filesystem::path dir;
   std::vector<std::filesystem::path> folders;  ///< outermost first
@@ -49,7 +49,7 @@ struct MadeResults {
 [[nodiscard]] MadeResults make_folder(const std::filesystem::path& dir);
 
 /// For a run that is refused after it made its result folder: removes what it made, logs included. Leaves everything
-/// where it is if flights are stored, or if somebody else writes there.
+/// where it is if flights are stored, or if another process writes there.
 void take_back(const MadeResults& made);
 
 }  // namespace aloft::store

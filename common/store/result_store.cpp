@@ -22,7 +22,7 @@ namespace {
 using experiment::Experiment;
 using experiment::FlightKey;
 
-/// Of a memory and whose it is: it must not be taken for that of another flight either.
+/// Covers the memory and its flight, so that it cannot pass for the memory of another flight.
 std::string memory_digest(const FlightKey& key, std::string_view memory) {
   Digest digest;
   digest.add(fmt::format("{} {} {}\n", key.condition, key.trial, key.agent));
@@ -53,7 +53,7 @@ struct ResultStore::State {
   Experiment experiment;
   FlightTable flights;
   MadeResults made;
-  std::optional<FolderWatch> watch;  // of who writes
+  std::optional<FolderWatch> watch;  // only when opened for writing
   bool batch_open = false;
 
   /// The canonical experiment in the database; empty if there is none yet.
@@ -86,7 +86,7 @@ struct ResultStore::State {
   void for_each_flight(const std::function<void(FlightSummary)>& visit) const;
 };
 
-/// A relay that goes on without whoever is lost cannot be flown again the same way; its first record counts.
+/// A relay that goes on without a lost agent cannot be flown again in the same way, so its first record counts.
 bool ResultStore::State::may_differ(const FlightKey& key) const {
   return experiment.on_agent_loss == experiment::OnAgentLoss::failover && !experiment.agent(key.agent).crew.empty();
 }
@@ -152,7 +152,7 @@ void ResultStore::State::begin_writing() {
   check_memories();
 }
 
-/// Without the memory that it ended with, a lineage cannot go on.
+/// A lineage cannot go on without the memory of its latest flight.
 void ResultStore::State::check_memories() const {
   for (const agents::AgentSpec& agent : experiment.agents) {
     if (agent.lineages() == 0) continue;
@@ -170,8 +170,8 @@ void ResultStore::State::check_memories() const {
   }
 }
 
-/// SQLite's log and its index are there as long as it is open. That the folder was replaced while it was opened, SQLite
-/// itself remembers.
+/// SQLite's log and its index exist as long as the database is open. SQLite itself reports whether the folder was
+/// replaced while the database was being opened.
 void ResultStore::State::begin_watch() {
   const std::string name = database_name;
   watch.emplace(file.parent_path(), std::vector<std::string>{name, name + "-wal", name + "-shm"});
@@ -246,7 +246,7 @@ void ResultStore::batch(const std::function<void()>& work) {
       transaction.commit();
     });
   } catch (const std::exception&) {
-    check_in_place();  // then that is the reason
+    check_in_place();  // if it throws, its error names the reason
     throw;
   }
   check_in_place();

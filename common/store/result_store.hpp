@@ -33,7 +33,7 @@ class StoreFull : public std::runtime_error {
 /// Throws IntegrityError.
 [[nodiscard]] flight::FlightRecord decode_trace(std::string_view bytes);
 
-/// Who coordinates a run into a result folder has locked this file in there.
+/// The coordinator of a run locks this file in the result folder.
 inline constexpr std::string_view coordinator_lock_name = "coordinator.lock";
 
 enum class Stored : std::uint8_t { added, already_there };
@@ -49,7 +49,7 @@ class ResultStore {
   /// Opens an existing result folder, read only; another process may be writing into it. InputError if there is none,
   /// IntegrityError as above.
   static ResultStore open_for_reading(const std::filesystem::path& dir);
-  /// Whether there is a database in this folder, good or not.
+  /// Whether there is a database in this folder, damaged or not.
   [[nodiscard]] static bool exists(const std::filesystem::path& dir);
 
   ResultStore(ResultStore&&) noexcept;
@@ -57,7 +57,7 @@ class ResultStore {
 
   /// The experiment whose results these are.
   [[nodiscard]] const experiment::Experiment& experiment() const noexcept;
-  /// What open_for_writing had to make.
+  /// What open_for_writing created.
   [[nodiscard]] const MadeResults& made() const noexcept;
   /// Throws ResultsGone if the folder is no longer where it was when it was opened for writing. From any thread.
   void check_in_place() const;
@@ -69,26 +69,26 @@ class ResultStore {
   /// batch is open. Throws StoreFull if the disk is full. One thread at a time.
   Stored add(const experiment::FlightKey& key, std::string_view encoded_trace, std::string_view memory = {});
   /// Everything added inside `work` becomes durable together, or nothing if it throws. Not nested. Throws ResultsGone
-  /// if it was stored where nobody may find it.
+  /// if the folder was moved or replaced meanwhile.
   void batch(const std::function<void()>& work);
 
-  /// Notes in the database which process writes into it now. A copy of the folder is signed by somebody else as soon as
-  /// somebody else writes into it. Throws StoreFull as add() does.
+  /// Notes in the database which process writes into it now; so a copy of the folder names another process as soon as
+  /// that one writes into it. Throws StoreFull as add() does.
   void sign(const ProcessName& writer);
-  /// Who signed last; none if nobody did.
+  /// The process that signed last; nullopt if none did.
   [[nodiscard]] std::optional<ProcessName> writer() const;
 
   /// Whether this flight is stored. std::logic_error if the experiment has no such flight.
   [[nodiscard]] bool holds(const experiment::FlightKey& key) const;
-  /// False if the file is no longer where it was opened: what is written goes nowhere.
+  /// False if the file is no longer where it was opened: what is written is lost.
   [[nodiscard]] bool in_place() const;
   /// How many flights are stored.
   [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] std::set<experiment::FlightKey> keys() const;
-  /// One after the other in canonical order, without holding them all. Throws as flights().
+  /// Visits all flights in canonical order, without holding all of them in memory. Throws as flights().
   void for_each_flight(const std::function<void(const FlightSummary&)>& visit) const;
   /// The same in parts, for readers that have other things to do in between: at most `limit` flights from `from` on (0:
-  /// the first). Returns where the next part begins; none: there is nothing more.
+  /// the first). Returns where the next part begins; nullopt if there are no more flights.
   std::optional<std::int64_t> visit_part(std::int64_t from, std::uint32_t limit,
                                          const std::function<void(const FlightSummary&)>& visit) const;
   /// Canonical order: condition, trial, then the experiment's order of agents. Throws IntegrityError if a row was
@@ -97,7 +97,7 @@ class ResultStore {
   /// The encoded trace; throws IntegrityError if its digest does not match, InputError if this flight is not stored.
   [[nodiscard]] std::string trace(const experiment::FlightKey& key) const;
 
-  /// What the agent remembered after this flight; none if it is not the latest stored flight of its lineage. Throws
+  /// What the agent remembered after this flight; nullopt if it is not the latest stored flight of its lineage. Throws
   /// IntegrityError if the digest does not match.
   [[nodiscard]] std::optional<std::string> memory(const experiment::FlightKey& key) const;
 
@@ -110,7 +110,7 @@ class ResultStore {
   std::unique_ptr<State> state_;
 };
 
-/// Flights that belong to an experiment, and are not among its results.
+/// The flights of an experiment that are missing among its results.
 struct Shortfall {
   std::uint64_t flights = 0;
   std::vector<experiment::FlightKey> first;  ///< in canonical order, at most as many as were asked for
@@ -122,7 +122,7 @@ struct Shortfall {
 
 /// The summary (experiment/summary.hpp) of all stored flights.
 [[nodiscard]] nlohmann::ordered_json summarise(const ResultStore& results);
-/// Writes that as DIR/summary.json and DIR/summary.csv, for the results in DIR. Throws like open_for_reading.
+/// Writes the summary as DIR/summary.json and DIR/summary.csv, for the results in DIR. Throws like open_for_reading.
 void write_summary(const std::filesystem::path& dir);
 
 }  // namespace aloft::store

@@ -139,7 +139,7 @@ TEST_CASE("the digest depends on what was flown, not on the order or number of s
                              sha256_hex(flight_with(3.0)) + "\n"));
 }
 
-TEST_CASE("storing again is a no-op, storing something else is a loud error") {
+TEST_CASE("storing a flight again is a no-op, storing it with another result is an error") {
   const Folder folder;
   auto results = ResultStore::open_for_writing(folder / "out", small());
   CHECK(results.add(first, flight_with(1.0)) == Stored::added);
@@ -149,7 +149,7 @@ TEST_CASE("storing again is a no-op, storing something else is a loud error") {
   CHECK(results.flights().at(0).metrics["qos_mean"] == 1.0);
 }
 
-TEST_CASE("damaged traces, empty flights and flights of no experiment are not stored") {
+TEST_CASE("damaged traces, empty flights and flights that the experiment does not have are not stored") {
   const Folder folder;
   auto results = ResultStore::open_for_writing(folder / "out", small());
   CHECK_THROWS_AS(results.add(first, "not a trace"), IntegrityError);
@@ -257,7 +257,7 @@ TEST_CASE("two writers at once are refused") {
   CHECK_THROWS_WITH(ResultStore::open_for_writing(folder / "out", small()), Contains("another Aloft process"));
 }
 
-TEST_CASE("an interrupted creation is taken up again") {
+TEST_CASE("an interrupted creation is completed") {
   const Folder folder;
   std::filesystem::create_directory(folder / "out");
   std::ofstream(folder / "out" / "results.sqlite").flush();  // empty
@@ -322,7 +322,7 @@ TEST_CASE("rows that were removed are noticed by readers and writers, with a hin
     run_sql(dir, "DELETE FROM trace WHERE flight = 2");
     what = "it holds 7 flights and 7 traces, and 8 were stored";
   }
-  SECTION("a flight and its trace, for which another took the place") {
+  SECTION("a flight and its trace, replaced by another") {
     run_sql(dir, "UPDATE flight SET id = 17 WHERE id = 2");
     what = "the trace of row 17 of table flight was removed";
   }
@@ -343,7 +343,7 @@ TEST_CASE("rows that were removed are noticed by readers and writers, with a hin
   }
 }
 
-TEST_CASE("a memory that was removed is noticed by those who would need it") {
+TEST_CASE("a removed memory is noticed by a writer, which needs it, but not by a reader") {
   const Folder folder;
   const auto dir = folder / "out";
   {
@@ -356,7 +356,7 @@ TEST_CASE("a memory that was removed is noticed by those who would need it") {
                     Contains("memory of agent 'dqn' after condition 1, trial 3 was removed"));
 }
 
-TEST_CASE("what is stored in a folder that was moved, removed or replaced is not called stored") {
+TEST_CASE("storing in a folder that was moved, removed or replaced is an error") {
   const Folder folder;
   const auto dir = folder / "out";
   const auto aside = folder / "aside";
@@ -435,7 +435,7 @@ TEST_CASE("a run that is refused after it opened its folder takes back what it m
     take_back(made);
     CHECK(std::filesystem::is_empty(dir));
   }
-  SECTION("somebody else put something there") {
+  SECTION("another process put a file there") {
     const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
     std::ofstream(dir / "dear.txt") << "Dear all";
     take_back(made);
@@ -458,7 +458,7 @@ TEST_CASE("a run that is refused after it opened its folder takes back what it m
     CHECK(ResultStore::open_for_reading(dir).flights().empty());
     CHECK_FALSE(std::filesystem::exists(dir / "log"));
   }
-  SECTION("somebody else writes there") {
+  SECTION("another process writes there") {
     const MadeResults made = ResultStore::open_for_writing(dir, small()).made();
     const auto other = ResultStore::open_for_writing(dir, small());
     take_back(made);
@@ -652,14 +652,14 @@ TEST_CASE("memory is all or nothing with its flight, and an altered one is refus
     CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out").memory({0, 0, "dqn"}),
                       Contains("memory of agent 'dqn' after trial 0 was altered"));
   }
-  SECTION("whose it is") {
+  SECTION("its flight") {
     run_sql(folder / "out", "UPDATE memory SET condition = 1");
     CHECK_THROWS_WITH(ResultStore::open_for_reading(folder / "out").memory({1, 0, "dqn"}),
                       Contains("memory of agent 'dqn' after trial 0 was altered"));
   }
 }
 
-TEST_CASE("a database of the format before can be read, and gets today's when it is written again") {
+TEST_CASE("a database of the previous format can be read, and gets the present one when it is written again") {
   const Folder folder;
   { (void)ResultStore::open_for_writing(folder / "out", remembering()).add({0, 0, "min-height"}, flight_with(1.0)); }
   {
@@ -679,7 +679,7 @@ TEST_CASE("a database of the format before can be read, and gets today's when it
                     Contains("it holds 1 flights and 1 traces, and 2 were stored"));
 }
 
-TEST_CASE("who writes into a folder is noted there, and in no copy of it") {
+TEST_CASE("the writer of a folder is noted there, and the writer of a copy only in the copy") {
   const Folder folder;
   const ProcessName writer{0xFFFFFFFFFFFFFFFF, "alpha", 5217, 1'795'355'110};
   {
@@ -699,13 +699,12 @@ TEST_CASE("who writes into a folder is noted there, and in no copy of it") {
   CHECK(ResultStore::open_for_reading(folder / "out").writer()->incarnation == writer.incarnation);
 }
 
-TEST_CASE("a database that nobody could sign yet has no writer, and can be signed") {
+TEST_CASE("a database of the format without a table of writers has no writer, and can be signed") {
   const Folder folder;
   { (void)ResultStore::open_for_writing(folder / "out", small()); }
   {
     SQLite::Database database((folder / "out" / "results.sqlite").string(), SQLite::OPEN_READWRITE);
-    database.exec(
-        "DROP TABLE writer; DROP TRIGGER count_flights; DROP TABLE tally; PRAGMA user_version = 2");  // the format then
+    database.exec("DROP TABLE writer; DROP TRIGGER count_flights; DROP TABLE tally; PRAGMA user_version = 2");
   }
   CHECK_FALSE(ResultStore::open_for_reading(folder / "out").writer());
   auto results = ResultStore::open_for_writing(folder / "out", small());

@@ -34,7 +34,7 @@ void put_steps(const std::vector<StepRecord>& steps, proto::Trace& trace) {
   }
 }
 
-/// The columns that are left out when they say nothing new.
+/// The columns that are left out when they follow from the others.
 void put_optional_columns(const std::vector<StepRecord>& steps, proto::Trace& trace) {
   bool numbered = true;
   bool one_pilot = true;
@@ -51,7 +51,7 @@ void put_optional_columns(const std::vector<StepRecord>& steps, proto::Trace& tr
   }
 }
 
-void put_thoughts(const std::vector<StepRecord>& steps, proto::Trace& trace) {
+void put_introspection(const std::vector<StepRecord>& steps, proto::Trace& trace) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const std::optional<agents::Introspection>& thoughts = steps[i].introspection;
     if (!thoughts) continue;
@@ -82,7 +82,7 @@ void check_columns(const proto::Trace& trace) {
     require(size == 0 || size == rows, "its columns have different lengths");
   for (const int size :
        {trace.epsilon_size(), trace.loss_size(), trace.q_down_size(), trace.q_hold_size(), trace.q_up_size()})
-    require(size == trace.thoughts_row_size(), "its columns of thoughts have different lengths");
+    require(size == trace.thoughts_row_size(), "its columns of introspection have different lengths");
   require(rows == 0 || trace.pilots_size() > 0, "it names no pilot");
   require(std::all_of(trace.pilots().begin(), trace.pilots().end(), is_name), "a pilot's name is not a name");
 }
@@ -104,10 +104,11 @@ StepRecord step_at(const proto::Trace& trace, int row) {
   return step;
 }
 
-void take_thoughts(const proto::Trace& trace, std::vector<StepRecord>& steps) {
+void take_introspection(const proto::Trace& trace, std::vector<StepRecord>& steps) {
   for (int i = 0; i < trace.thoughts_row_size(); ++i) {
     const std::uint32_t row = trace.thoughts_row(i);
-    require(row < steps.size() && (i == 0 || row > trace.thoughts_row(i - 1)), "thoughts in no or a wrong order");
+    require(row < steps.size() && (i == 0 || row > trace.thoughts_row(i - 1)),
+            "its rows of introspection are not in order");
     steps[row].introspection =
         agents::Introspection{trace.epsilon(i), trace.loss(i), {trace.q_down(i), trace.q_hold(i), trace.q_up(i)}};
   }
@@ -123,7 +124,7 @@ std::string encode_trace(const FlightRecord& record) {
   for (const std::string& pilot : record.pilots) trace.add_pilots(pilot);
   put_steps(record.steps, trace);
   put_optional_columns(record.steps, trace);
-  put_thoughts(record.steps, trace);
+  put_introspection(record.steps, trace);
 
   std::string bytes;
   google::protobuf::io::StringOutputStream stream(&bytes);
@@ -148,7 +149,7 @@ FlightRecord decode_trace(std::string_view bytes) {
   record.pilots.assign(trace.pilots().begin(), trace.pilots().end());
   record.steps.reserve(static_cast<std::size_t>(trace.action_size()));
   for (int row = 0; row < trace.action_size(); ++row) record.steps.push_back(step_at(trace, row));
-  take_thoughts(trace, record.steps);
+  take_introspection(trace, record.steps);
   return record;
 }
 

@@ -69,7 +69,7 @@ TEST_CASE("the bytes of a trace are pinned: digests outlive builds") {
   FlightRecord record;
   record.pilots = {"a"};
   record.steps.push_back({1, Action::up, 1.0, 0.0, 50.0, 2, 3.0, 4.0, 4.0, 0, {}});
-  // Worked out from the Protobuf encoding: field number << 3 | wire type, length, little-endian doubles.
+  // Computed by hand from the Protobuf encoding: field number << 3 | wire type, length, little-endian doubles.
   const auto packed = [](char tag, char seventh, char eighth) {
     return std::string{tag, 8} + std::string(6, '\0') + seventh + eighth;
   };

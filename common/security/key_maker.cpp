@@ -79,7 +79,7 @@ openssl::Certificate draft_certificate(EVP_PKEY* key, std::string_view unit, con
   return certificate;
 }
 
-/// Of an authority: others tell it from foreign ones by it.
+/// The common name of a new authority, by which processes tell it from all others.
 std::string unique_name() {
   std::array<unsigned char, 8> bytes{};
   check(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1, "choosing a name");
@@ -126,9 +126,9 @@ std::string topic_rules(const char* direction, const std::vector<std::string_vie
       direction, topics);
 }
 
-/// A folder of an authority holds nothing else: whoever copies or deletes it means the authority.
+/// The folder of an authority holds nothing else, so that it can be copied or deleted as a whole.
 void check_is_free(const fs::path& dir) {
-  std::error_code unreadable;  // then it cannot be made either, which says why
+  std::error_code unreadable;  // creating it will fail, too, with an error that says why
   if (fs::exists(dir / "ca.key.pem") || fs::exists(dir / "ca.cert.pem"))
     throw InputError(fmt::format(
         "{} holds an authority already; use another folder, or remove it if nothing trusts it any more", dir.string()));
@@ -203,12 +203,12 @@ const std::string& governance_xml() {
 
 std::string sign_document(const fs::path& dir, const std::string& text) {
   const Authority authority = open_authority(dir);
-  const openssl::Bio source(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  const openssl::Bio source = openssl::memory(text);
   constexpr int flags = PKCS7_TEXT | PKCS7_DETACHED;
   const openssl::Pkcs7 document(
       PKCS7_sign(authority.certificate.get(), authority.key.get(), nullptr, source.get(), flags));
   check(document != nullptr, "signing a document");
-  const openssl::Bio again(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+  const openssl::Bio again = openssl::memory(text);
   const openssl::Bio out(BIO_new(BIO_s_mem()));
   check(SMIME_write_PKCS7(out.get(), document.get(), again.get(), flags) == 1, "writing a signed document");
   return openssl::text_of(out.get());

@@ -74,10 +74,9 @@ void check_private(const fs::path& file, const X509* certificate, const std::str
   struct stat facts {};
   if (stat(file.c_str(), &facts) != 0) throw InputError(fmt::format("{}: is missing; {}", file.string(), advice));
   if ((facts.st_mode & 0077U) != 0)
-    throw InputError(
-        fmt::format("{}: other users may read this private key (mode {:03o}); chmod 600 it, and {} if they "
-                    "may have",
-                    file.string(), facts.st_mode & 0777U, advice));
+    throw InputError(fmt::format(
+        "{}: other users can read this private key (mode {:03o}); chmod 600 it, and if another user has read it, {}",
+        file.string(), facts.st_mode & 0777U, advice));
   const std::string text = key_text(file, advice);
   const openssl::Key key(PEM_read_bio_PrivateKey(openssl::memory(text).get(), nullptr, nullptr, nullptr));
   if (!key) throw InputError(fmt::format("{}: is not a private key (PEM); {}", file.string(), advice));

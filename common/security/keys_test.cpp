@@ -42,7 +42,7 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("good keys are taken, also from the folder for another host", "[keys]") {
+TEST_CASE("good keys are accepted, also from the folder for another host", "[keys]") {
   const Scene scene;
   CHECK(scene.refusal() == "");
   issue_keys(scene.dir, {.role = Role::metrics, .name = "beta"}, topics, scene.scratch / "beta");
@@ -78,7 +78,7 @@ TEST_CASE("keys that are missing, open, old, of another role or altered are refu
   SECTION("a private key that others may read") {
     for (const fs::perms open : {fs::perms::group_read, fs::perms::others_read, fs::perms::others_write}) {
       fs::permissions(file("key.pem"), fs::perms::owner_read | fs::perms::owner_write | open);
-      CHECK_THAT(scene.refusal(), Contains("key.pem: other users may read this private key") && Contains("chmod 600"));
+      CHECK_THAT(scene.refusal(), Contains("key.pem: other users can read this private key") && Contains("chmod 600"));
     }
   }
   SECTION("expired") {
@@ -109,7 +109,7 @@ TEST_CASE("keys that are missing, open, old, of another role or altered are refu
     fs::rename(scene.scratch / "foreign" / "channel", scene.dir / "channel");
     CHECK_THAT(scene.refusal(), Contains("cert.pem: was not issued by the authority"));
   }
-  SECTION("somebody else's key or permissions") {
+  SECTION("the key or the permissions of another process") {
     issue_keys(scene.dir, {.role = Role::channel, .name = "beta"}, topics, scene.scratch / "beta");
     const fs::path other = scene.scratch / "beta" / "channel";
     fs::copy_file(other / "permissions.p7s", file("permissions.p7s"), fs::copy_options::overwrite_existing);
@@ -136,7 +136,7 @@ TEST_CASE("keys that are missing, open, old, of another role or altered are refu
     scene.issue(Role::channel);
     CHECK(scene.refusal() == "");
   }
-  SECTION("files that are something else") {
+  SECTION("files of another kind") {
     test::write_text(file("cert.pem"), "hello");
     CHECK_THAT(scene.refusal(), Contains("cert.pem: is not a certificate"));
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside common/security only: OpenSSL's objects, owned.
+// Inside common/security only: owning pointers to OpenSSL's objects.
 
 #include <openssl/bio.h>
 #include <openssl/evp.h>
@@ -27,7 +27,7 @@ using Extension = std::unique_ptr<X509_EXTENSION, Free<X509_EXTENSION_free>>;
 using Pkcs7 = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
 using Number = std::unique_ptr<BIGNUM, Free<BN_free>>;
 
-/// To read from a text, which must outlive it.
+/// A BIO that reads from `text`, which must outlive it.
 [[nodiscard]] Bio memory(const std::string& text);
 /// What was written into a memory BIO.
 [[nodiscard]] std::string text_of(BIO* bio);

@@ -22,10 +22,10 @@ inline constexpr std::array all_roles{Role::coordinator, Role::metrics,        R
 
 /// "learning-agent"; the program of a role is "aloft-" and this.
 [[nodiscard]] std::string_view to_text(Role role) noexcept;
-/// InputError, listing all, if there is no such role.
+/// InputError, listing all roles, if there is no such role.
 [[nodiscard]] Role role_from_text(std::string_view text);
 
-/// Several of them.
+/// A set of roles.
 struct Roles {
   unsigned bits = 0;
 

@@ -302,7 +302,7 @@ TEST_CASE("a process refuses to start with wrong keys") {
     command.insert(command.end(), {"--domain", test_domain()});
     const Finished finished = run_command(command);
     CHECK(finished.exit_code == 2);
-    CHECK_THAT(finished.err, Contains("channel/key.pem: other users may read this private key (mode 644); chmod 600"));
+    CHECK_THAT(finished.err, Contains("channel/key.pem: other users can read this private key (mode 644); chmod 600"));
   }
   CHECK_FALSE(fs::exists(scratch / "out"));
   // A run with nothing left to fly checks the keys, too.
@@ -314,7 +314,7 @@ TEST_CASE("a process refuses to start with wrong keys") {
   run.push_back(keys.string());
   const Finished finished_run = run_command(run);
   CHECK(finished_run.exit_code == 2);
-  CHECK_THAT(finished_run.err, Contains("channel/key.pem: other users may read this private key"));
+  CHECK_THAT(finished_run.err, Contains("channel/key.pem: other users can read this private key"));
   const Finished missing = run_command({"aloft", "status", "--secure", (scratch / "nowhere").string()});
   CHECK(missing.exit_code == 2);
   CHECK_THAT(missing.err, Contains("nowhere: there is no such folder") && Contains("aloft keys init"));

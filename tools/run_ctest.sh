@@ -4,10 +4,12 @@
 set -euo pipefail
 folder=${1:?tools/run_ctest.sh: name the build folder}
 shift
-ctest "$@" | awk -v log_file="$folder/Testing/Temporary/LastTest.log" '
-  closing || /^[0-9]+% tests passed/ { closing = 1; counts = counts $0 "\n"; next }
-  { print; fflush() }
-  END {
-    while ((getline line < log_file) > 0) if (line ~ /^SKIPPED: /) print line
-    printf "%s", counts
-  }'
+# Not awk: Debian's reads a pipe in blocks, so that nothing is seen of a tier until it is over.
+ctest "$@" | {
+  counts=""
+  while IFS= read -r line; do
+    if [ -n "$counts" ] || [[ $line =~ ^[0-9]+%\ tests\ passed ]]; then counts+=$line$'\n'; else printf '%s\n' "$line"; fi
+  done
+  sed -n '/^SKIPPED: /p' "$folder/Testing/Temporary/LastTest.log"
+  printf '%s' "$counts"
+}

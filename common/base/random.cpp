@@ -72,10 +72,6 @@ std::uint32_t RandomStream::uniform_index(std::uint32_t n) noexcept {
   return static_cast<std::uint32_t>(product >> 32U);
 }
 
-double RandomStream::exponential() noexcept {
-  return -std::log(uniform());
-}
-
 double RandomStream::normal() noexcept {
   const double radius = std::sqrt(-2.0 * std::log(uniform()));
   return radius * std::cos(2.0 * std::numbers::pi * uniform());

@@ -29,11 +29,9 @@ class RandomStream {
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
   /// Uniform in {0, ..., n - 1} without bias; n >= 1.
   std::uint32_t uniform_index(std::uint32_t n) noexcept;
-  /// Exponential with mean 1.
-  double exponential() noexcept;
   /// Normal with mean 0, standard deviation 1 (Box-Muller, one value per two uniforms).
   double normal() noexcept;
-  /// Poisson with this mean: sums of exponential gaps in pieces of mean at most 500, so cost grows with the mean.
+  /// Poisson with this mean: products of uniforms (Knuth), in pieces of mean at most 500. The cost grows with the mean.
   std::uint32_t poisson(double mean) noexcept;
 
   /// The position of the sequential draws, so that a checkpoint can resume them.

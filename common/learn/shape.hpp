@@ -39,8 +39,8 @@ struct NetworkShape {
 [[nodiscard]] NetworkShape dqn_shape(std::size_t inputs, std::size_t hidden_width = 200, std::size_t hidden_layers = 3,
                                      std::size_t actions = 3);
 
-/// Adam as Keras has it (Kingma and Ba 2015, section 2, "epsilon hat"): w -= lr sqrt(1-b2^t)/(1-b1^t) m
-/// / (sqrt(v) + eps).
+/// Adam as Keras has it (Kingma and Ba 2015, section 2, with "epsilon hat"):
+/// w -= lr sqrt(1-b2^t)/(1-b1^t) m / (sqrt(v) + eps).
 struct AdamSettings {
   double learning_rate = 1e-3;
   double beta1 = 0.9;

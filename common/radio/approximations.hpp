@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <numbers>
 
-/// Elementary functions from fused multiply-adds, additions, multiplications and divisions alone: the same bits on
-/// every machine, and loops over them vectorise. Truncated series, so that the error bound can be read off; rounding
-/// adds a few units in the last place. The tests check the stated bounds.
+/// Elementary functions made of fused multiply-adds, additions, multiplications and divisions only, so that they give
+/// the same bits on every machine and loops over them vectorise. They are truncated series, whose error bounds follow
+/// from the first term left out; rounding adds a few units in the last place. The tests check the stated bounds.
 namespace aloft::radio {
 
 /// Natural logarithm; x positive and normal. Relative error < 1e-15.
@@ -39,7 +39,7 @@ namespace aloft::radio {
 /// 2^y for |y| < 1022. Relative error < 1e-15.
 /// y = n + f with |f| <= 1/2; 2^f is the Taylor series of e^(f ln 2) up to the 13th power.
 [[gnu::always_inline]] inline double exp2(double y) noexcept {
-  constexpr double to_integer = 0x1.8p52;  // adding it rounds to a whole number, which then stands in the lowest bits
+  constexpr double to_integer = 0x1.8p52;  // adding it rounds to a whole number in the lowest bits
   const double shifted = y + to_integer;
   const double x = (y - (shifted - to_integer)) * std::numbers::ln2;
   double series = 1.0 / 6227020800.0;

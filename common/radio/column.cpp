@@ -62,8 +62,8 @@ const double* ColumnBuilder::power_w(std::uint32_t k) {
   return row.data();
 }
 
-/// The strongest stations at every height, by power, then index. Near ones first, so that most of the others can be
-/// left out unseen.
+/// Ranks the strongest stations at every height, by power, then index. It begins with the nearest, so that most of the
+/// others can be skipped without computing their power.
 void ColumnBuilder::rank_strongest() {
   std::fill(ranked_power_w_.begin(), ranked_power_w_.end(), -1.0);
   std::iota(by_distance_.begin(), by_distance_.end(), 0U);
@@ -75,7 +75,8 @@ void ColumnBuilder::rank_strongest() {
       rank_station_row(k, {power_w(k), heights_}, ranks_, width_, ranked_power_w_.data(), ranked_.data(), moving_);
 }
 
-/// False if even the greatest power possible on its link does not suffice, with and without line of sight.
+/// False if station k cannot be among the strongest: its link's upper bound of power is too small at every height, both
+/// with and without line of sight.
 bool ColumnBuilder::may_be_among_strongest(std::uint32_t k) {
   const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
   const auto may_be = [&](std::span<const double> among_w, bool line_of_sight) {
@@ -87,7 +88,7 @@ bool ColumnBuilder::may_be_among_strongest(std::uint32_t k) {
   return may_be({weakest_w, los}, false) || may_be({weakest_w + los, heights_ - los}, true);
 }
 
-/// All stations are wanted at every height: the same order by sorting.
+/// The same order as rank_strongest() by sorting, for when all stations are wanted at every height.
 void ColumnBuilder::rank_all() {
   for (std::uint32_t k = 0; k < ranks_; ++k) static_cast<void>(power_w(k));  // fills power_w_
   for (std::uint32_t i = 0; i < heights_; ++i) {
@@ -98,7 +99,7 @@ void ColumnBuilder::rank_all() {
   }
 }
 
-/// The wanted SINRs by base station.
+/// Lists the wanted SINRs by base station.
 void ColumnBuilder::collect_slots() {
   for (const std::uint32_t c : involved_) slots_[c].clear();
   involved_.clear();
@@ -134,7 +135,7 @@ void ColumnBuilder::compute_sinr(std::uint32_t point, std::uint32_t c) {
   }
 }
 
-/// The blocks of four heights where the SINR of c is wanted, and the UAV's beam there.
+/// Lists the blocks of four heights where the SINR of c is wanted, and computes the UAV's beam there.
 void ColumnBuilder::select_blocks(std::uint32_t c) {
   blocks_.clear();
   wanted_.clear();
@@ -154,7 +155,7 @@ void ColumnBuilder::select_blocks(std::uint32_t c) {
     beam_limits_row(scene_.model(), around_.links[c].distance_m, block_rise_m_, nearest_m_.data(), farthest_m_.data());
 }
 
-/// Notes the blocks of c in which k disturbs, and asks for its fading there.
+/// Adds the blocks in which k interferes with c, and requests its fading there.
 void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::uint32_t k) {
   const std::size_t first = disturbed_blocks_.size();
   disturbs_.resize(std::max(disturbs_.size(), first * lanes + wanted_.size()));
@@ -173,7 +174,7 @@ void ColumnBuilder::add_interferer(std::uint32_t point, std::uint32_t c, std::ui
   fading_.want(point, c, k, std::span(disturbed_blocks_).subspan(first));
 }
 
-/// Serving cell: the best SINR of the candidates. Neighbours: the best of the others, descending.
+/// The serving cell is the candidate with the best SINR; the neighbours are the best of the others, descending.
 std::vector<Reading> ColumnBuilder::choose_serving() {
   const std::uint32_t neighbours = std::min(scene_.model().neighbours, ranks_ - 1);
   std::vector<double> chosen(std::size_t{neighbours + 1} * heights_, -1.0);  // [serving, neighbours...][height]

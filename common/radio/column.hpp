@@ -10,7 +10,7 @@
 
 namespace aloft::radio {
 
-/// Computes the readings over all heights at one ground position. Keeps its working memory between calls.
+/// Computes the readings over all heights at one ground position. Its working memory is reused between calls.
 class ColumnBuilder {
  public:
   ColumnBuilder(const Scene& scene, const Fading& fading);
@@ -18,7 +18,7 @@ class ColumnBuilder {
   [[nodiscard]] std::vector<Reading> build(std::uint32_t point, world::Position position);
 
  private:
-  /// One of the wanted SINRs: of the station with this rank by power at this height.
+  /// A wanted SINR: that of the station with this rank by power at this height.
   struct Slot {
     std::uint32_t height;
     std::uint32_t rank;
@@ -44,31 +44,32 @@ class ColumnBuilder {
   std::vector<double> rise_m_;
 
   Surroundings around_;
-  // Per base station, worked out when first needed at this position.
+  // Per base station, computed when first needed at this position.
   std::vector<std::optional<std::uint32_t>> first_los_;
   std::vector<std::vector<double>> power_w_;  // [station][height], before fading
   std::vector<std::uint8_t> power_known_;
 
   std::vector<std::uint32_t> by_distance_;
-  std::vector<double> ranked_power_w_;    // [rank][height], descending
-  std::vector<double> ranked_;            // [rank][height]: base station; as wide as the powers, for vectors of both
+  std::vector<double> ranked_power_w_;  // [rank][height], descending
+  std::vector<double>
+      ranked_;  // [rank][height]: base station; double, so that vectors of powers and stations have equal lanes
   std::vector<double> moving_;            // scratch
   std::vector<double> sinr_;              // [rank][height], linear
   std::vector<double> serving_rank_;      // [height]
-  std::vector<double> others_;            // [height]: the SINR of one rank, -1 where it serves
+  std::vector<double> others_;            // [height]: the SINR of one rank, -1 at heights where that station serves
   std::vector<double> neighbour_ranks_;   // scratch
   std::vector<std::vector<Slot>> slots_;  // per base station
   std::vector<std::uint32_t> involved_;   // base stations with slots
 
-  // Of the station whose SINR is computed: blocks of four heights where it is wanted, and values at these heights.
+  // For the station whose SINR is being computed: the blocks of four heights where it is wanted, and values there.
   std::vector<std::uint32_t> blocks_;
   std::vector<double> wanted_;  // 1 or 0
   std::vector<double> block_rise_m_;
   std::vector<double> nearest_m_;
   std::vector<double> farthest_m_;
   std::vector<double> interference_w_;  // [height]
-  // Of its interferers, one after the other: blocks with at least one height where one disturbs; its powers over all
-  // heights; 1 or 0 per height of the block, and what is left of longer rows behind that.
+  // For its interferers, one after the other: the blocks with at least one height where the interferer disturbs; its
+  // powers over all heights; 1 or 0 per height of the block, followed by unused leftovers of longer rows.
   std::vector<std::uint32_t> disturbed_blocks_;
   std::vector<const double*> disturber_w_;
   std::vector<double> disturbs_;

@@ -14,7 +14,7 @@ struct Amplitude {
   double im = 0.0;
 };
 
-/// Box-Muller; the angle is pi s with s in (-1, 1).
+/// A complex Gaussian amplitude by Box-Muller; its angle is pi s with s in (-1, 1).
 Amplitude amplitude(std::uint32_t radius_word, std::uint32_t angle_word) noexcept {
   const double radius = std::sqrt(-natural_log(unit_interval(radius_word)));
   const double s = 2.0 * unit_interval(angle_word) - 1.0;
@@ -39,7 +39,7 @@ void Fading::want(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::sp
 }
 
 std::span<const double> Fading::take(std::uint32_t point) {
-  if (kind_ == FadingKind::independent) {  // all at once: the loops over random words are vectorised
+  if (kind_ == FadingKind::independent) {  // all in one call: the loops over random words are vectorised
     words_.resize(blocks_.size() * lanes);
     stream_.blocks(point, pairs_, blocks_, words_.data());
     wanted_.resize(words_.size());

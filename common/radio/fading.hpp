@@ -10,24 +10,26 @@
 
 namespace aloft::radio {
 
-/// Small-scale fading: power factors f with mean 1 (Rayleigh fading), for every (route point, candidate c, transmitter
-/// k, height) of a trial, a pure function of these: the order of questions does not matter.
+/// Rayleigh fading: power factors f ~ Exp(1) for every (route point, candidate c, transmitter k, height) of a trial. f
+/// is a pure function of these, so the order of calls does not matter.
 ///
-/// independent: f ~ Exp(1), independent everywhere. correlated: the complex amplitude follows an autoregression over
-/// height with this correlation between adjacent heights of the table (1: constant over height). none: f = 1.
+/// independent: all f are independent, as in the published simulator. correlated: the complex amplitude is a
+/// first-order autoregression over height with this correlation between adjacent heights of the table (1: constant over
+/// height). none: f = 1.
 class Fading {
  public:
   static constexpr std::uint32_t lanes = 4;  ///< heights that share one block of random words
   static constexpr std::uint32_t max_stations = limits::base_stations;  ///< c and k share a counter word
-  static_assert(std::uint64_t{max_stations} * max_stations == std::uint64_t{1} << 32U);  // other factors, other fading
+  static_assert(std::uint64_t{max_stations} * max_stations == std::uint64_t{1}
+                                                                  << 32U);  // the counter word is c * max_stations + k
 
   Fading(const RadioModel& model, std::uint64_t seed, std::uint32_t trial)
       : kind_(model.fading), correlation_(model.fading_correlation), stream_(seed, trial, "fading") {}
 
-  /// Asks for f at heights 4 b .. 4 b + 3 for each b of `blocks` (ascending).
+  /// Requests f at heights 4 b .. 4 b + 3 for each b of `blocks` (ascending).
   void want(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks);
-  /// Four values per block wanted since the last call, in the order of asking; valid until the next question. All must
-  /// have been of this point.
+  /// Four values per block requested since the last call, in the order of requests, which must all have been for this
+  /// point. Valid until the next request.
   [[nodiscard]] std::span<const double> take(std::uint32_t point);
 
  private:
@@ -36,7 +38,7 @@ class Fading {
   FadingKind kind_;
   double correlation_;
   RandomStream stream_;
-  // Wanted: of blocks of independent fading the counters, else values.
+  // The requested blocks: counters if the fading is independent, else values.
   std::vector<std::uint32_t> pairs_;
   std::vector<std::uint32_t> blocks_;
   std::vector<double> wanted_;

@@ -53,7 +53,7 @@ TEST_CASE("independent fading is exponential with mean 1, and different for ever
   CHECK(adjacent / n == Approx(0.0).margin(0.02));
 }
 
-TEST_CASE("fading does not depend on which heights were asked for, or when") {
+TEST_CASE("fading does not depend on which heights were requested, or when") {
   for (const double correlation : {0.0, 0.9, 1.0}) {
     for (const char* kind : {"independent", "correlated", "none"}) {
       radio::Fading fading = fading_of({{"fading", kind}, {"fading_correlation", correlation}});

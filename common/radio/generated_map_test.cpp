@@ -26,7 +26,8 @@ struct Sinr {
   double sinr;
 };
 
-/// The radio model written down plainly, one place at a time, with the C library's functions; defaults elsewhere.
+/// A direct implementation of the radio model, one place at a time, with the C library's functions. Parameters that are
+/// not read from `given` have their defaults.
 class PlainRadio {
  public:
   PlainRadio(const json& given, const world::City& city)
@@ -121,7 +122,7 @@ class PlainRadio {
   std::vector<double> azimuths_;
 };
 
-/// Compares a map with the plain radio model at some points and heights.
+/// Compares a map with the direct implementation at some points and heights.
 void check_against_plain(const json& given) {
   const Parameters world = radio::resolve_generated_world(given, "world");
   const world::City city = world::generate_city(world, seed, trial);
@@ -153,13 +154,13 @@ void check_against_plain(const json& given) {
 
 }  // namespace
 
-TEST_CASE("the fast map agrees with the radio model written down plainly") {
+TEST_CASE("the fast map agrees with a direct implementation of the radio model") {
   check_against_plain({{"bs_density_per_km2", 5}});
   check_against_plain({{"bs_density_per_km2", 1}});
   check_against_plain({{"bs_density_per_km2", 5}, {"neighbours", 5}});
 }
 
-TEST_CASE("so do the other presets and switches") {
+TEST_CASE("the fast map agrees with the direct implementation for all presets and switches") {
   check_against_plain({{"preset", "paper-text"}});
   check_against_plain({{"preset", "geometric"}, {"bs_density_per_km2", 5}});
   check_against_plain({{"bs_antenna", "sector"}, {"bs_density_per_km2", 5}});
@@ -167,7 +168,7 @@ TEST_CASE("so do the other presets and switches") {
   check_against_plain({{"uav_antenna", "omnidirectional"}, {"path_distance", "horizontal"}, {"fading", "none"}});
 }
 
-TEST_CASE("a city with more base stations than fading can tell apart is refused") {
+TEST_CASE("a city with more base stations than fading can number is refused") {
   const Parameters world = radio::resolve_generated_world(json::object(), "world");
   world::City city = world::generate_city(world, seed, trial);
   city.base_stations.resize(limits::base_stations + 1);
@@ -175,7 +176,7 @@ TEST_CASE("a city with more base stations than fading can tell apart is refused"
                     Catch::Contains("65537 base stations") && Catch::Contains("at most 65536"));
 }
 
-TEST_CASE("columns do not depend on the order of questions, nor on the table's resolution") {
+TEST_CASE("columns do not depend on the order of calls, nor on the table's resolution") {
   const Parameters world = radio::resolve_generated_world(json::object(), "world");
   const world::City city = world::generate_city(world, seed, trial);
   const auto forwards = radio::make_generated_map(world, city, seed, trial);
@@ -195,11 +196,11 @@ TEST_CASE("columns do not depend on the order of questions, nor on the table's r
   CHECK(&forwards->column(5, forwards->advance(5, {}, -1)) == &forwards->column(5, forwards->advance(5, {}, -1)));
 }
 
-TEST_CASE("with the serving route rule a column belongs to a place, not only to a point") {
+TEST_CASE("with the serving route rule a column depends on the lateral position, not only on the route point") {
   const Parameters world = radio::resolve_generated_world({{"route", "serving"}}, "world");
   const auto map = radio::make_generated_map(world, world::generate_city(world, seed, trial), seed, trial);
   CHECK_FALSE(map->fixed_route());
-  map->prepare();  // does nothing
+  map->prepare();  // must do nothing
   const auto& line = map->column(7, {map->start().x_m + 70.0, 0.0});
   const auto& beside = map->column(7, {map->start().x_m + 70.0, 10.0});
   CHECK(&line != &beside);

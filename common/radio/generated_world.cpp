@@ -31,7 +31,7 @@ const std::vector<ParameterSpec>& height_parameters() {
   return table;
 }
 
-/// A named set of defaults: what it changes against the tables.
+/// A named set of defaults: its differences from the tables.
 struct Preset {
   std::string name;
   Json changes;
@@ -63,7 +63,7 @@ ParameterSpec preset_parameter() {
   return choice_parameter("preset", "published", std::move(names), "Named set of defaults for the other parameters.");
 }
 
-/// Worlds from before there was a choice have the model that is implied.
+/// Implied, because worlds that were resolved before there was a choice name no model.
 ParameterSpec propagation_parameter() {
   std::vector<std::string> names;
   for (const LinkModelType& model : link_model_types()) names.push_back(model.name);
@@ -87,7 +87,7 @@ std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
   return all;
 }
 
-/// The preset's changes, as far as worlds with this table have such parameters.
+/// The preset's changes to those parameters that the table has.
 Json preset_defaults(const std::string& name, std::span<const ParameterSpec> table) {
   const auto preset = std::find_if(presets().begin(), presets().end(), [&](const Preset& p) { return p.name == name; });
   Json defaults = Json::object();
@@ -105,10 +105,9 @@ void require(bool holds, std::string_view where, std::string_view key, const std
   if (!holds) throw InputError(fmt::format("{}{}{}: {}", where, where.empty() ? "" : ".", key, reason));
 }
 
-/// Of 100,000 draws, one in 10^13 series of them would have no city; and this many draws take a millisecond.
+/// With this probability, 100,000 draws without a city have a probability of 10^-13, and they take a millisecond.
 constexpr double least_probability_of_enough = 3e-4;
 
-/// Combinations that contradict each other.
 void check_heights(const Parameters& world, std::string_view where) {
   const double low_m = world.number("height_min_m");
   const double high_m = world.number("height_max_m");
@@ -165,7 +164,7 @@ std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model
 }
 
 Parameters resolve_generated_world(const Json& given, std::string_view where) {
-  // Every error in what was given, before anything is merged.
+  // Reports every error in what was given before the preset is merged into it.
   const Parameters checked(generated_world_parameters(), given, where);
   const std::vector<ParameterSpec> table = generated_world_parameters(link_model_type(checked.text("propagation")));
   Json merged = preset_defaults(checked.text("preset"), table);

@@ -48,7 +48,7 @@ TEST_CASE("a preset changes the defaults, and given keys override it") {
   CHECK(world.text("uav_antenna") == "directional");
 }
 
-TEST_CASE("resolving again what was resolved gives the same") {
+TEST_CASE("resolving a resolved world gives the same world") {
   for (const char* preset : {"published", "paper-text", "geometric"}) {
     const Parameters world =
         radio::resolve_generated_world({{"preset", preset}, {"height_step_m", 20}, {"candidates", 6}}, "world");

@@ -52,7 +52,7 @@ template <BsAntenna antenna>
   }
 }
 
-/// One more competitor for every height: those it displaces become `moving`, and compete for the next rank.
+/// Inserts one more station at every height. A displaced station becomes `moving` and competes for the next rank.
 [[gnu::always_inline]] inline void strongest_loop(std::size_t size, std::size_t ranks, std::size_t width,
                                                   double* strongest_w, double* strongest, double* moving_w,
                                                   double* moving) {
@@ -92,7 +92,7 @@ template <BsAntenna antenna>
   for (std::size_t i = 0; i < size; ++i) out[i] = left_out[i] == rank ? -1.0 : row[i];
 }
 
-/// Four heights per block.
+/// Adds power x fading where a station disturbs; a block is four heights.
 [[gnu::always_inline]] inline void interference_loop(const double* const* power_w, const double* disturbs,
                                                      const double* fading, const std::uint32_t* blocks,
                                                      std::size_t size, double* interference_w) {
@@ -128,7 +128,7 @@ void rank_station_row(std::uint32_t station, std::span<const double> power_w, st
                       double* strongest_w, double* strongest, std::vector<double>& scratch) {
   if (ranks == 0) return;
   const double* const weakest_w = strongest_w + (ranks - 1) * width;
-  std::size_t first = 0;  // a station is strong in one stretch of heights, mostly
+  std::size_t first = 0;  // usually a station is strong in a single range of heights
   std::size_t end = power_w.size();
   while (first < end && power_w[first] < weakest_w[first]) ++first;
   while (first < end && power_w[end - 1] < weakest_w[end - 1]) --end;

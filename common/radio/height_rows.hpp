@@ -6,8 +6,8 @@
 
 #include "common/radio/link_budget.hpp"
 
-/// Loops of link_budget.hpp over the heights of a column, in a file of their own because it is compiled for
-/// vectorisation. Each element has the bits that the formula gives alone.
+/// The formulas of link_budget.hpp over the heights of a column, in a file of their own with the compiler options of
+/// vectorised loops. Each element has the same bits as the formula for that height.
 namespace aloft::radio {
 
 /// received_power_w() at every rise: `gain_to_power_w` holds the channel model's gains before and powers after.
@@ -18,7 +18,7 @@ void received_power_row(const RadioModel& model, double distance_m, std::span<co
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,
                      double* farthest_m);
 
-/// wanted[i] where the beam at i covers this distance, else 0.
+/// disturbs[i] = wanted[i] where the beam at height i covers this distance, else 0.
 void disturbance_row(double distance_m, std::span<const double> wanted, const double* nearest_m,
                      const double* farthest_m, double* disturbs);
 
@@ -27,11 +27,11 @@ void disturbance_row(double distance_m, std::span<const double> wanted, const do
 void rank_station_row(std::uint32_t station, std::span<const double> power_w, std::size_t ranks, std::size_t width,
                       double* strongest_w, double* strongest, std::vector<double>& scratch);
 
-/// The greatest of the first `ranks` rows of [rank][width] at every height, and its rank; of equal ones the first.
+/// The greatest of the first `ranks` rows of [rank][width] at every height, and its rank; the first of equal ones.
 void best_row(std::span<const double> rows, std::size_t ranks, std::size_t width, std::span<double> best,
               double* rank_of_best);
 
-/// row[i], or -1 where left_out[i] is this rank.
+/// out[i] = row[i], or -1 where left_out[i] is this rank.
 void others_row(std::span<const double> row, std::uint32_t rank, const double* left_out, double* out);
 
 /// Adds, in the order given, the disturbances by one station each at four heights: those of `blocks[b]`, from the
@@ -41,7 +41,7 @@ void add_interference(std::span<const double* const> power_w, const double* dist
 
 [[nodiscard]] bool any_at_most(std::span<const double> values, double limit);
 
-/// Exp(1) from each random word.
+/// An Exp(1) number from each random word, by inversion.
 void exponential_row(std::span<const std::uint32_t> words, double* out);
 
 void spectral_efficiency_row(std::span<const double> sinr, double* out);

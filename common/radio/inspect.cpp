@@ -27,7 +27,7 @@ std::uint32_t height_index(const HeightGrid& heights, double height_m) {
   return static_cast<std::uint32_t>(index);
 }
 
-/// Explains one place and height; the steps are those of ColumnBuilder.
+/// Explains one place and height, in the same steps as ColumnBuilder.
 class Explainer {
  public:
   Explainer(const Scene& scene, const Fading& fading, std::uint32_t point, world::Position position,

@@ -12,12 +12,12 @@
 
 namespace aloft::radio {
 
-/// How one base station is received, fading apart.
+/// How one base station is received, before fading.
 struct StationExplanation {
   std::uint32_t station = 0;
   double distance_m = 0.0;         ///< horizontal
   double azimuth_deg = 0.0;        ///< seen from the UAV, counterclockwise from +x, in (-180, 180]
-  double blocking_height_m = 0.0;  ///< no line of sight below
+  double blocking_height_m = 0.0;  ///< no line of sight below this height
   bool line_of_sight = false;
   double received_power_w = 0.0;
 };
@@ -41,7 +41,7 @@ struct CandidateExplanation {
   double sinr_db = 0.0;
 };
 
-/// How one value of a generated world's table came about.
+/// The intermediate values of one entry of a generated world's table.
 struct Explanation {
   std::uint32_t point = 0;
   world::Position position;
@@ -54,15 +54,15 @@ struct Explanation {
   double spectral_efficiency = 0.0;  ///< bit/s/Hz
 };
 
-/// Explains route point `point` at `height_m`, from the very functions that make the table: the SINRs are equal to the
-/// bit. `position`: where the UAV is; by default on the route (rule `serving`: on the line y = 0). Throws InputError if
+/// Explains route point `point` at `height_m`, by the same functions as the table: the SINRs have the same bits.
+/// `position`: where the UAV is; by default on the route (rule `serving`: on the line y = 0). Throws InputError if
 /// there is no such point, or the height is not one of the table's.
 [[nodiscard]] Explanation explain(const Parameters& world, const world::City& city, std::uint64_t seed,
                                   std::uint32_t trial, std::uint32_t point, double height_m,
                                   std::optional<world::Position> position = std::nullopt);
 
 [[nodiscard]] nlohmann::json to_json(const Explanation& explanation);
-/// For a terminal.
+/// Text for a terminal.
 [[nodiscard]] std::string to_text(const Explanation& explanation);
 
 /// Base stations, building grid and heights, and the route (null if it depends on the flight).

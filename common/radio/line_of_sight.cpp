@@ -45,7 +45,7 @@ double blocking_height_m(const world::City& city, LosRay ray, world::Position ua
   const double ux = dx_m / r_m;
   const double uy = dy_m / r_m;
 
-  // Walk the grid along the axis that the ray follows more, and at each line only across the strip around the ray.
+  // Iterate along the grid axis closer to the ray's direction, and at each line only over the strip around the ray.
   const bool along_x = std::fabs(ux) >= std::fabs(uy);
   const Axis x_axis = axis(city.window_m, city.buildings_x);
   const Axis y_axis = axis(city.window_m, city.buildings_y);

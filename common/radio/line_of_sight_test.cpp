@@ -13,7 +13,7 @@ using radio::LosRay;
 
 namespace {
 
-/// The definition, building by building: is the ray to a UAV at this height blocked?
+/// Whether the ray to a UAV at this height is blocked, by the definition, building by building.
 bool blocked(const world::City& city, LosRay ray, world::Position uav, world::Position station, double height_m) {
   const double dx = station.x_m - uav.x_m;
   const double dy = station.y_m - uav.y_m;
@@ -38,7 +38,7 @@ TEST_CASE("one building between UAV and base station") {
   world::City city{300.0, 30.0, {}, 1, 1, 40.0, {50.0}};  // one building at (0, 0), 50 m
   const world::Position uav{-100.0, 0.0};
   const world::Position station{100.0, 0.0};
-  // In the middle both rays are alike: 30 + (h - 30)/2 >= 50 from h = 70 on.
+  // In the middle both rays have the same height: 30 + (h - 30)/2 >= 50 from h = 70 on.
   CHECK(radio::blocking_height_m(city, LosRay::published, uav, station) == Approx(70.0));
   CHECK(radio::blocking_height_m(city, LosRay::geometric, uav, station) == Approx(70.0));
   // A quarter of the way from the UAV at (-50, 0), station at (150, 0): geometric 30 + 20 / 0.75, published 30 + 20 /

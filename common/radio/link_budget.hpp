@@ -6,8 +6,8 @@
 #include "common/radio/approximations.hpp"
 #include "common/radio/radio_model.hpp"
 
-/// The formulas of one link at one height. They are written for loops over heights; the table and its explanation call
-/// the same functions, so they agree to the bit. Heights are relative to the base station antennas: rise_m = h - 30 m.
+/// The formulas of one link at one height, as in the published simulator. The table and its explanation call the same
+/// functions, so they agree to the bit. Heights are relative to the base station antennas: rise_m = h - 30 m.
 namespace aloft::radio {
 
 /// Ground geometry of one link, seen from the UAV.
@@ -18,8 +18,7 @@ struct Link {
 };
 
 /// Gain of the 8-element vertical array at the elevation whose sine is s: g(s) = (1/8) [sin(4 pi s) / sin(pi s / 2)]^2,
-/// limit 8 at 0. With x = pi s / 2: sin(8x) / sin(x) = 8 cos x cos 2x cos 4x; s^2 is enough for it, without a square
-/// root.
+/// limit 8 at 0. With x = pi s / 2: sin(8x) / sin(x) = 8 cos x cos 2x cos 4x; s^2 suffices for it.
 [[gnu::always_inline]] inline double array_gain(double sin2_elevation) noexcept {
   const double cos_x = cos_half_pi_root(sin2_elevation);
   const double cos_2x = std::fma(2.0 * cos_x, cos_x, -1.0);
@@ -29,7 +28,7 @@ struct Link {
 }
 
 /// Mean received power, W, before fading: p = P G K g(s) x `gain`, the gain of the channel model. A base station with a
-/// sector points it at the UAV. Distances below 1 m count as 1 m.
+/// sector antenna steers it at the UAV. Distances below 1 m count as 1 m.
 template <BsAntenna antenna>
 [[gnu::always_inline]] inline double received_power_w(const RadioModel& model, double distance_m, double rise_m,
                                                       double gain) noexcept {
@@ -51,7 +50,7 @@ struct BeamLimits {
 
 /// With theta = atan2(rise, distance) and half beamwidth v: nearest = rise / tan(theta + v) if theta < pi/2 - v, else
 /// 0; farthest = rise / tan(theta - v) if v < theta < pi/2 - v, `interferer_distance_max_m` if theta <= v, else rise
-/// (the published simulator's choice). The tangents of sums are worked out: rise >= 0, T = tan v.
+/// (the published simulator's choice). The code expands the tangents of sums: rise >= 0, t = tan v.
 [[gnu::always_inline]] inline BeamLimits beam_limits(const RadioModel& model, double distance_m,
                                                      double rise_m) noexcept {
   const double t = model.uav_half_beam_tan;
@@ -63,10 +62,10 @@ struct BeamLimits {
           above <= 0.0 ? model.interferer_distance_max_m : (below > 0.0 ? farthest_m : rise_m)};
 }
 
-/// What pruning allows for rounding, beyond the channel model's bound of the gain.
+/// The margin for rounding that pruning adds to the channel model's bound of the gain.
 inline constexpr double bound_rounding = 1.0 + 1e-9;
 
-/// No base station whose gain is at most `gain_bound` is received with more power than this, W.
+/// Upper bound, W, of the power received from a base station whose channel gain is at most `gain_bound`.
 [[nodiscard]] inline double power_bound_w(const RadioModel& model, double gain_bound) noexcept {
   constexpr double array_peak = 8.0;
   const double antenna_gain = model.bs_antenna == BsAntenna::array ? array_peak : model.sector_gain;
@@ -83,7 +82,7 @@ inline constexpr double bound_rounding = 1.0 + 1e-9;
   return natural_log(1.0 + sinr) * (1.0 / std::numbers::ln2);
 }
 
-/// 10 log10(SINR), at least -200 dB: in the nulls of an array nothing may be left.
+/// 10 log10(SINR), at least -200 dB: the power can be zero in the nulls of an array.
 [[gnu::always_inline]] inline double decibel(double sinr) noexcept {
   constexpr double least = 1e-20;
   return natural_log(sinr < least ? least : sinr) * (10.0 / std::numbers::ln10);

@@ -68,7 +68,7 @@ TEST_CASE("received power of one link") {
 TEST_CASE("the beam's limits on the ground") {
   const RadioModel model = model_of();
   const double degree = std::numbers::pi / 180;
-  // theta = 5.71 degrees: below half the beam, so up to the horizon
+  // theta = 5.71 degrees: less than half the beam, so the beam reaches the horizon
   BeamLimits limits = beam_limits(model, 100.0, 10.0);
   CHECK(limits.nearest_m == Approx(10.0 / std::tan(std::atan2(10.0, 100.0) + 22.5 * degree)).epsilon(1e-12));
   CHECK(limits.nearest_m == Approx(18.640).epsilon(1e-3));
@@ -113,7 +113,7 @@ TEST_CASE("no power exceeds its bound") {
     }
 }
 
-TEST_CASE("rows have the bits of the formulas alone, whatever the vector width") {
+TEST_CASE("rows have the same bits as the formulas, whatever the vector width") {
   for (const char* preset : {"published", "paper-text"}) {
     const RadioModel model = model_of({{"preset", preset}});
     std::vector<double> rise_m(203);

@@ -6,8 +6,8 @@
 
 namespace aloft::radio {
 
-/// A measured flight: throughput at every step and height, as recorded. It has no positions: all are (0, 0). The
-/// observation before the first action is read at the first step's place.
+/// The map of a measured flight: throughput at every step and height, as recorded. All positions are (0, 0). The
+/// observation before the first action is read in the first step's column.
 [[nodiscard]] std::unique_ptr<SignalMap> make_measured_map(const world::MeasuredFlight& flight);
 
 }  // namespace aloft::radio

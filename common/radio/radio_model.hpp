@@ -12,10 +12,10 @@ enum class BsAntenna : std::uint8_t { array, sector };
 enum class FadingKind : std::uint8_t { independent, none, correlated };
 enum class ServingSelection : std::uint8_t { best_of_candidates, best_of_all };
 
-/// Of every generated world, whatever its channel model.
+/// The radio parameters that every generated world has, whatever its channel model.
 [[nodiscard]] const std::vector<ParameterSpec>& radio_parameters();
 
-/// The values of radio_parameters(), with what follows from them worked out once.
+/// The values of radio_parameters(), with derived constants computed once.
 struct RadioModel {
   explicit RadioModel(const Parameters& world);
 
@@ -30,20 +30,20 @@ struct RadioModel {
   double link_gain_w;         ///< transmit power x UAV antenna gain x near-field gain: power at 1 m without the base
                               ///< station's antenna
   double noise_w;             ///< thermal noise in the band, with the noise figure
-  double sector_gain;         ///< of a base station's rectangular sector, inside
+  double sector_gain;         ///< gain inside a base station's rectangular sector; outside it is 0
   double fading_correlation;  ///< of the amplitudes at adjacent heights of the table
   double uav_half_beam_cos;   ///< cosine and tangent of half the beamwidth
   double uav_half_beam_tan;
   double bs_half_beam_cos;
 };
 
-/// Gain of a rectangular beam of `beamwidth_rad` in both planes: 4 pi / (w/2)^2 = 16 pi / w^2.
+/// Gain of a rectangular beam of `beamwidth_rad` in both planes, as the paper has it: 4 pi / (w/2)^2 = 16 pi / w^2.
 [[nodiscard]] double beam_gain(double beamwidth_rad) noexcept;
 
-/// (c / (4 pi f))^2 with c = 3e8 m/s.
+/// The paper's near-field gain, which is that of free space at 1 m (Friis): (c / (4 pi f))^2 with c = 3e8 m/s.
 [[nodiscard]] double near_field_gain(double carrier_hz) noexcept;
 
-/// 10^((-174 + 10 log10(bandwidth) + noise figure) / 10) mW.
+/// Thermal noise at 290 K, -174 dBm/Hz: 10^((-174 + 10 log10(bandwidth) + noise figure) / 10) mW, returned in W.
 [[nodiscard]] double noise_power_w(double bandwidth_hz, double noise_figure_db) noexcept;
 
 }  // namespace aloft::radio

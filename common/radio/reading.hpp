@@ -10,13 +10,13 @@ namespace aloft::radio {
 
 inline constexpr std::size_t max_neighbours = limits::neighbours;
 
-/// What quality of service is measured as, and its unit.
+/// The quantity that measures quality of service, and its unit.
 enum class QosKind : std::uint8_t {
   spectral_efficiency,  ///< bit/s/Hz
   throughput,           ///< kbit/s
 };
 
-/// What the modem reads at one place.
+/// The UAV modem's measurements at one place.
 struct Reading {
   double qos = 0.0;  ///< bit/s/Hz or kbit/s: SignalMap::qos_kind
   double serving_sinr_db = 0.0;

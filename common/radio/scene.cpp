@@ -24,8 +24,8 @@ Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std:
       link_model_(link_model_type(world.text("propagation")).make(world, city_, seed, trial)),
       heights_(height_grid(world)) {
   if (city_.base_stations.size() > limits::base_stations)
-    throw InputError(fmt::format("the city has {} base stations; fading tells at most {} apart",
-                                 city_.base_stations.size(), limits::base_stations));
+    throw InputError(fmt::format("the city has {} base stations; at most {} are possible", city_.base_stations.size(),
+                                 limits::base_stations));
   if (model_.bs_antenna != BsAntenna::sector) return;
   RandomStream stream(seed, trial, "sector azimuth");
   for (std::uint32_t k = 0; k < stations(); ++k) {
@@ -55,7 +55,7 @@ void Scene::look_around(world::Position position, Surroundings& into) const {
 std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
   const double above = std::ceil((blocking_height_m - heights_.height_min_m) / heights_.resolution_m);
   auto index = static_cast<std::uint32_t>(std::clamp(above, 0.0, static_cast<double>(heights_.size())));
-  // Rounding may be one off; the comparison of heights decides.
+  // The division can round to a neighbouring index; these comparisons correct it.
   if (index > 0 && heights_.height_m(index - 1) >= blocking_height_m) --index;
   if (index < heights_.size() && heights_.height_m(index) < blocking_height_m) ++index;
   return index;

@@ -13,14 +13,14 @@
 
 namespace aloft::radio {
 
-/// What holds at one ground position for all heights.
+/// The geometry at one ground position that is the same for all heights.
 struct Surroundings {
   world::Position position;
   std::vector<Link> links;                  ///< per base station
-  std::vector<std::uint8_t> sector_covers;  ///< per base station: its own sector, not steered, covers the UAV
+  std::vector<std::uint8_t> sector_covers;  ///< per base station: 1 if its sector, at its fixed azimuth, covers the UAV
 };
 
-/// A city with its radio: who is heard where, fading apart.
+/// A city with its radio: the power of every base station at every place, before fading.
 class Scene {
  public:
   /// `world`: every key of generated_world_parameters(). Keeps a copy of the city. InputError if it has
@@ -53,16 +53,16 @@ class Scene {
   void received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
                           std::span<const double> rise_m, std::size_t first_los, double* power_w) const;
 
-  /// Whether base station k can disturb the reception of c at all: other azimuths are outside the UAV's beam, and a
-  /// sector that looks elsewhere sends nothing here.
+  /// Whether base station k can interfere with c at all: it must be within the azimuths of the UAV's beam towards c,
+  /// and its sector, if it has one, must cover the UAV.
   [[nodiscard]] bool can_interfere(const Surroundings& around, std::uint32_t c, std::uint32_t k) const noexcept {
     if (k == c || around.sector_covers[k] == 0) return false;
     return model_.uav_antenna == UavAntenna::omnidirectional || same_azimuth(model_, around.links[c], around.links[k]);
   }
 
-  /// Base stations whose SINR is wanted at every height: all, or the strongest by received power.
+  /// The number of base stations whose SINR is wanted at every height: all, or the strongest by received power.
   [[nodiscard]] std::uint32_t reported_stations() const noexcept;
-  /// How many of them, in order of power, may serve.
+  /// How many of these, the strongest ones, can serve.
   [[nodiscard]] std::uint32_t serving_candidates() const noexcept;
 
  private:

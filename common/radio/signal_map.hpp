@@ -26,7 +26,7 @@ struct HeightGrid {
 };
 
 /// All that a UAV can measure in one trial: readings over (route point, lateral position, height). Every agent of the
-/// trial reads the same map. Columns are computed when first asked for and kept; not thread-safe.
+/// trial reads the same map. Columns are computed at the first request and kept. Not thread-safe.
 class SignalMap {
  public:
   virtual ~SignalMap() = default;

@@ -9,7 +9,7 @@
 namespace aloft::radio {
 namespace {
 
-/// Filled while the program starts, by every model's file for itself, in any order.
+/// Every model's file adds its own entry while the program starts, in any order.
 std::vector<LinkModelType>& registered_models() {
   static std::vector<LinkModelType> types;
   return types;

@@ -13,51 +13,53 @@
 
 namespace aloft::radio {
 
-/// A link of a trial: a UAV somewhere above `uav`, and a base station of the city.
+/// A link of a trial: a UAV at any height above `uav`, and a base station of the city.
 struct LinkPlace {
   world::Position uav;
   std::uint32_t station = 0;
   double distance_m = 0.0;  ///< horizontal, between the two
 };
 
-/// Shadowing: normally distributed in dB, mean 0, correlated over the ground as exp(-distance / correlation distance).
+/// Shadowing (Gudmundson 1991): normally distributed in dB, mean 0, correlated over the ground as
+/// exp(-distance / correlation distance).
 struct Shadowing {
   double deviation_db = 0.0;
   double correlation_distance_m = 0.0;
 };
 
-/// A channel model: how a link's gain depends on place and line of sight, antennas and fast fading apart. One object
-/// serves all links of a trial and is a pure function of place: the order of questions does not matter. Gains are
-/// multiples of the gain of free space at 1 m, (c / (4 pi f))^2, which the link budget counts once for all links.
+/// A channel model: how a link's gain, without antennas and fast fading, depends on place and line of sight. One object
+/// serves all links of a trial and is a pure function of place: the order of calls does not matter. Gains are relative
+/// to free space at 1 m, (c / (4 pi f))^2, which the link budget multiplies once for all links.
 class LinkModel {
  public:
   virtual ~LinkModel() = default;
 
-  /// No line of sight below this height of the UAV, m; from this height on there is.
+  /// The lowest height of the UAV, m, with line of sight.
   [[nodiscard]] virtual double blocking_height_m(const LinkPlace& link) const = 0;
 
-  /// gain[i]: mean gain with the UAV at height_m[i], all of them with line of sight or all without. No element depends
-  /// on another: a row has the bits of its elements alone.
+  /// gain[i] is the mean gain with the UAV at height_m[i]; line of sight is the same for the whole row. Elements do not
+  /// depend on each other: each has the same bits as in a row of its own.
   virtual void mean_gain_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
                              double* gain) const = 0;
 
-  /// At no height, from the base stations' up, is the mean gain greater.
+  /// Upper bound of the mean gain at all heights from that of the base stations upwards.
   [[nodiscard]] virtual double gain_bound(const LinkPlace& link, bool line_of_sight) const = 0;
 
-  /// Of this link with the UAV at this height. No model has any yet, and nothing draws it.
+  /// Shadowing of this link with the UAV at this height. The default is none; the radio does not draw shadowing yet, so
+  /// the conformance kit refuses any other value.
   [[nodiscard]] virtual Shadowing shadowing(const LinkPlace& link, bool line_of_sight, double height_m) const;
 };
 
-/// Of worlds that name none.
+/// The model of worlds that name none.
 inline constexpr std::string_view default_link_model = "power-law";
 
 /// Facts about one channel model.
 struct LinkModelType {
   std::string name;         ///< as in experiment files: the value of `propagation`
   std::string description;  ///< one sentence
-  /// Keys of a generated world that has this model, beside those that every generated world has.
+  /// Keys of generated worlds with this model, in addition to those of every generated world.
   std::vector<ParameterSpec> parameters{};
-  /// For one trial; the city outlives the model.
+  /// Makes the model of one trial; the city outlives it.
   std::function<std::unique_ptr<LinkModel>(const Parameters& world, const world::City& city, std::uint64_t seed,
                                            std::uint32_t trial)>
       make{};
@@ -68,7 +70,7 @@ bool register_link_model(LinkModelType type);
 
 /// All models, sorted by name.
 [[nodiscard]] std::span<const LinkModelType> link_model_types();
-/// std::logic_error if there is none of this name: experiments are checked when they are read.
+/// Throws std::logic_error for an unknown name: experiments have been checked before.
 [[nodiscard]] const LinkModelType& link_model_type(std::string_view name);
 
 }  // namespace aloft::radio

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Inverse square of the distance, and never line of sight.
+/// The inverse square of the distance, without line of sight at any height.
 class InverseSquare final : public radio::LinkModel {
  public:
   explicit InverseSquare(double loss) : loss_(loss) {}
@@ -50,7 +50,7 @@ const bool inverse_square_registered = radio::register_link_model(
 
 }  // namespace
 
-TEST_CASE("channel models are listed by name, and no two parameters of worlds share one") {
+TEST_CASE("channel models are listed by name, and the parameters of worlds have different names") {
   const auto models = radio::link_model_types();
   REQUIRE(models.size() >= 2);
   CHECK(std::is_sorted(models.begin(), models.end(), [](const auto& a, const auto& b) { return a.name < b.name; }));
@@ -81,7 +81,7 @@ TEST_CASE("a world has the parameters of its channel model alone, and names it u
   CHECK_THROWS_WITH(resolve({{"propagation", "ray-tracing"}}), Contains("world.propagation") && Contains("power-law"));
 }
 
-TEST_CASE("the table of another channel model is its own, and explained to the bit") {
+TEST_CASE("a world's table has the gains of its channel model, and is explained to the bit") {
   const json given{{"propagation", "inverse-square"}, {"bs_density_per_km2", 5}};
   const Parameters world = radio::resolve_generated_world(given, "world");
   const world::City city = world::generate_city(world, 9, 1);

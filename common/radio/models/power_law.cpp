@@ -18,7 +18,7 @@ constexpr std::array<Choice<LosRay>, 2> los_rays{{{"published", LosRay::publishe
 constexpr std::array<Choice<PathDistance>, 2> path_distances{
     {{"slant", PathDistance::slant}, {"horizontal", PathDistance::horizontal}}};
 
-/// distance^-exponent, from the squared distance in m^2. Exponent 4, the most frequent, needs no logarithm.
+/// distance^-exponent, from the squared distance in m^2. Exponent 4 needs no logarithm.
 [[gnu::always_inline]] inline double path_gain(double distance2_m2, double exponent) noexcept {
   if (exponent == 4.0) {
     const double inverse = 1.0 / distance2_m2;
@@ -41,13 +41,14 @@ template <PathDistance path>
 template <PathDistance path>
 [[gnu::always_inline]] inline void gain_row(double horizontal2_m2, double base_m, const double* height_m,
                                             std::size_t size, double exponent, double* gain) {
-  if (exponent == 4.0)  // the exponent known to the compiler: path_gain() without its branch
+  if (exponent == 4.0)  // a constant exponent removes the branch in path_gain()
     gain_loop<path>(horizontal2_m2, base_m, height_m, size, 4.0, gain);
   else
     gain_loop<path>(horizontal2_m2, base_m, height_m, size, exponent, gain);
 }
 
-/// Gain D^-alpha, with one exponent where the ray to the base station is free and one where a building is in the way.
+/// The paper's path loss: gain D^-alpha, alpha = 2.1 with line of sight and 4 behind buildings by default. Line of
+/// sight is decided as line_of_sight.hpp says.
 class PowerLaw final : public LinkModel {
  public:
   PowerLaw(const Parameters& world, const world::City& city)

@@ -12,7 +12,7 @@
 namespace aloft::radio {
 namespace {
 
-/// Adds one trial's sums over its steps.
+/// Adds the values of one trial's steps to the sums.
 void add_trial(SignalMap& map, Means& sums) {
   const HeightGrid& heights = map.heights();
   const std::uint32_t stride = heights.indices_per_step();

@@ -5,8 +5,8 @@
 
 namespace aloft::radio {
 
-/// Mean spectral efficiency, bit/s/Hz, of simple height rules over all steps and trials, and optimal height's height,
-/// m.
+/// Mean spectral efficiency, bit/s/Hz, of simple height rules over all steps and trials, and the mean height of
+/// optimal-height, m.
 struct Means {
   double minimum_height = 0.0;
   double constant_120 = 0.0;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t seed = 7;
 
-/// What a model says of one link, with and without line of sight.
+/// A model's answers for one link, with and without line of sight.
 struct Answers {
   double blocking_height_m = 0.0;
   std::array<std::vector<double>, 2> gain;
@@ -39,12 +39,13 @@ struct Answers {
   }
 };
 
-/// Links of one trial: along the route, beside it, and below and above a base station itself.
+/// Checks the links of one trial: along the route, beside it, and below and above a base station.
 class Kit {
  public:
   Kit(const LinkModelType& type, const Parameters& world, std::uint32_t trial)
       : type_(type), world_(world), city_(world::generate_city(world, seed, trial)), trial_(trial) {
-    for (int i = 0; i < 101; ++i) height_m_.push_back(city_.base_station_height_m + 2.7 * i);  // no multiple of 8
+    for (int i = 0; i < 101; ++i)
+      height_m_.push_back(city_.base_station_height_m + 2.7 * i);  // not a multiple of 8: rows end within a vector
     const auto stations = static_cast<std::uint32_t>(std::min<std::size_t>(city_.base_stations.size(), 6));
     std::vector<world::Position> places{{-505.0, 0.0}, {0.0, 10.0}, {123.4, -5.6}, {495.0, 0.0}};
     places.push_back(city_.base_stations[0]);
@@ -106,8 +107,8 @@ class Kit {
     }
   }
 
-  /// Rows of one element and of some have the bits of the long row: the table is made of rows, its explanation of
-  /// single heights.
+  /// Short rows, down to one element, must have the bits of the long row: the table is computed in rows, its
+  /// explanation at single heights.
   void check_elements(const LinkModel& model, const LinkPlace& link, const Answers& answers,
                       std::vector<std::string>& problems) const {
     for (const std::size_t los : {0U, 1U})

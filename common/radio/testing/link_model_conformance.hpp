@@ -9,14 +9,14 @@
 
 namespace aloft::radio {
 
-/// What every channel model must do: gains that are positive, finite and within their bound; rows with the bits of
-/// their elements alone; the same answers in another object of the same trial and in another order; blocking heights
-/// that can be compared; no shadowing, because nothing draws it yet; facts that can be shown. `world`: keys of a
+/// Checks every promise of a channel model: gains that are positive, finite and within their bound; rows with the bits
+/// of single elements; the same answers in another object of the same trial and in another order; blocking heights that
+/// are numbers; no shadowing, because the radio does not draw it yet; a name and a description. `world`: keys of a
 /// generated world with this model. Returns what is wrong and where to look, one sentence each; nothing if the model
 /// conforms.
 [[nodiscard]] std::vector<std::string> link_model_problems(const LinkModelType& type,
                                                            const nlohmann::json& world = nlohmann::json::object());
-/// The same as Catch2 checks, of a registered model.
+/// The same as Catch2 checks, for a registered model.
 void check_link_model(std::string_view name, const nlohmann::json& world = nlohmann::json::object());
 
 /// Mean gain by a registered model of one link without buildings, base station at 30 m, for tests of its formulas.

@@ -1,4 +1,4 @@
-// The kit finds what it promises to find: channel models that each break one promise.
+// Each channel model here breaks one promise, and the kit must find it.
 #include "common/radio/testing/link_model_conformance.hpp"
 
 #include <catch2/catch.hpp>
@@ -12,7 +12,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Inverse square of the distance; above 100 m with line of sight. Does all that the kit asks for.
+/// The inverse square of the distance, with line of sight above 100 m. It keeps every promise.
 class SoundModel : public LinkModel {
  public:
   [[nodiscard]] double blocking_height_m(const LinkPlace& /*link*/) const override { return 100.0; }

@@ -10,14 +10,14 @@
 
 namespace aloft::agents {
 
-/// What a learner thinks, for plots; never used to fly.
+/// Internal values of a learner, for plots only.
 struct Introspection {
   double epsilon = 0.0;
   double loss = 0.0;
   std::array<double, 3> q_values{};  ///< down, hold, up
 };
 
-/// The same; nothing if a number is not finite, as with a network that has diverged: nobody stores or sends that.
+/// The same, or nothing if a number is not finite, as when a network has diverged: such values are not stored or sent.
 [[nodiscard]] std::optional<Introspection> showable(const std::optional<Introspection>& thoughts) noexcept;
 
 struct Command {
@@ -33,21 +33,21 @@ class Agent {
  public:
   virtual ~Agent() = default;
 
-  /// A new flight starts. Memory of earlier flights may be kept only where the agent's parameters say so.
+  /// Starts a new flight. The agent keeps memory of earlier flights only if its parameters say so.
   virtual void begin(const FlightInfo& flight) = 0;
 
-  /// Privileged agents only: the future they are allowed to see. Next-step agents get the profile of step j + 1 before
-  /// observe(j); whole-route agents get all profiles, in order, before observe(0).
+  /// For privileged agents only: future quality. Agents with privilege next_step get the profile of step j + 1 before
+  /// observe(j); those with whole_route get all profiles, in order, before observe(0).
   virtual void foresee(const HeightProfile& profile);
 
-  /// Learn from what happened. The executed action may have been commanded by someone else (shadow mode).
+  /// Receives the report of a step. If this agent follows as a shadow, the executed action is another one's.
   virtual void observe(const Observation& observation) = 0;
 
   /// The command for the next step.
   virtual Command act() = 0;
 
-  /// Everything that the future of this agent depends on, so that restore_state on a new agent with the same parameters
-  /// continues with the same commands, bit for bit. Called between act and observe or between flights.
+  /// The agent's complete state: after restore_state, a new agent with the same parameters continues with the same
+  /// commands, bit for bit. Called between act and observe or between flights.
   [[nodiscard]] virtual std::string save_state() const = 0;
   /// Throws IntegrityError if the bytes are not a state of this agent with these parameters.
   virtual void restore_state(std::string_view bytes) = 0;

@@ -25,6 +25,6 @@ TEST_CASE("constant climbs or descends to the level nearest to its height") {
   CHECK(command_at("constant-66", 60) == Action::up);
   CHECK(command_at("constant-66", 70) == Action::hold);
   CHECK(command_at("constant-120", 70) == Action::up);
-  CHECK(command_at("constant-120", 80) == Action::hold);  // cut to Zmax
-  CHECK(command_at("constant-10", 40) == Action::hold);   // cut to Zmin
+  CHECK(command_at("constant-120", 80) == Action::hold);  // clamped to Zmax
+  CHECK(command_at("constant-10", 40) == Action::hold);   // clamped to Zmin
 }

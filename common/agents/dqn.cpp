@@ -36,7 +36,7 @@ learn::NetworkShape network_shape(const Parameters& parameters, std::size_t inpu
   return learn::dqn_shape(inputs, count_of(parameters, "hidden_width"), count_of(parameters, "hidden_layers"));
 }
 
-/// At most what Dqn::save_state gives: weights and two moments per network, and the replay memory.
+/// Upper bound of the size of Dqn::save_state: weights and two moments per network, and the replay memory.
 std::size_t memory_bytes(const Parameters& parameters) {
   const std::size_t neighbours = count_of(parameters, "neighbours");
   const std::size_t inputs = neighbours + 2 + count_of(parameters, "history") * (neighbours + 4);
@@ -144,7 +144,8 @@ void Dqn::build_networks() {
 }
 
 void Dqn::observe(const Observation& observation) {
-  const bool flown = observation.step > 0 && !encoder_.empty();  // not if it came aboard with this very report
+  const bool flown =
+      observation.step > 0 && !encoder_.empty();  // the first report is no step of its own, even in mid-flight
   encoder_.observe(observation);
   if (flown) {
     remember(observation);
@@ -200,12 +201,6 @@ void Dqn::train() {
   if (target_ && trainings_ % target_copy_steps_ == 0) target_->load({online_->state().weights, {}, {}, 0});
 }
 
-Dqn::QValues Dqn::predict(learn::Network& network, std::span<const float> state) const {
-  QValues q{};
-  network.predict(state, q);
-  return q;
-}
-
 Command Dqn::act() {
   Introspection thoughts{.epsilon = epsilon_, .loss = loss_, .q_values = {}};
   const bool explore = policy_random_.uniform() < epsilon_;
@@ -213,7 +208,8 @@ Command Dqn::act() {
   if (state_.empty()) {
     thoughts.epsilon = 1.0;
   } else {
-    const QValues q = predict(*online_, state_);
+    QValues q{};
+    online_->predict(state_, q);
     std::copy(q.begin(), q.end(), thoughts.q_values.begin());
     if (!explore) action = argmax(q);
   }

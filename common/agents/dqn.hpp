@@ -14,14 +14,15 @@
 
 namespace aloft::agents {
 
-/// The paper's deep Q-network with every reading of it that its results may rest on (see dqn_parameters). It learns
-/// while it flies: every step it fits the network to one minibatch of remembered steps for `epochs` gradient steps.
+/// The paper's deep Q-network (README; after Mnih et al. 2015). Where its text, code and results differ,
+/// dqn_parameters() has each variant. It learns while it flies: every step it fits the network to one minibatch of
+/// remembered steps for `epochs` gradient steps.
 class Dqn final : public Agent {
  public:
   /// Throws InputError if parameters contradict each other.
   explicit Dqn(const Parameters& parameters);
 
-  /// memory = per-flight: forgets everything. lifelong: network, optimiser, replay memory and exploration rate go on.
+  /// memory = per-flight: forgets everything. lifelong: keeps network, optimiser, replay memory and epsilon.
   void begin(const FlightInfo& flight) override;
   void observe(const Observation& observation) override;
   Command act() override;
@@ -41,7 +42,6 @@ class Dqn final : public Agent {
   void train();
   void set_target(learn::Minibatch& batch, std::size_t sample, const learn::Transition& transition, const QValues& q,
                   const QValues& next_q) const;
-  [[nodiscard]] QValues predict(learn::Network& network, std::span<const float> state) const;
   void save_replay(StateWriter& writer) const;
   void restore_flight_state(const StateReader& reader);
   void restore_replay(const StateReader& reader);

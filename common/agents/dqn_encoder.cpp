@@ -88,7 +88,7 @@ std::vector<float> DqnEncoder::state() const {
     const Moment& moment = moments_[i];
     for (const double sinr_db : moment.sinr_db) state.push_back(static_cast<float>(scaled_sinr(sinr_db)));
     state.push_back(static_cast<float>(moment.height));
-    if (i + 1 == moments_.size()) continue;  // nothing was done here yet
+    if (i + 1 == moments_.size()) continue;  // the present report has no action yet
     state.push_back(static_cast<float>(moment.action));
     state.push_back(static_cast<float>(scaled_reward(moment)));
   }

@@ -8,11 +8,11 @@
 
 namespace aloft::agents {
 
-/// What the paper's DQN makes of reports: its input vector and its reward.
+/// Turns reports into the input vector and the reward of the paper's DQN.
 ///
 /// The state, newest first: the reported SINRs (serving cell, then `neighbours` cells in descending order) and the
-/// height; then for each of the last `history` steps the same values, the action taken there (-1 down, 0 hold, 1 up)
-/// and the reward it brought. Generated worlds: 2 + neighbours + history (4 + neighbours) inputs, 38 as published;
+/// height; then for each of the last `history` steps the same values, the action taken then (-1 down, 0 hold, 1 up)
+/// and its reward. Generated worlds: 2 + neighbours + history (4 + neighbours) inputs, 38 as published;
 /// measured flights have no neighbours: 18.
 class DqnEncoder {
  public:
@@ -34,27 +34,27 @@ class DqnEncoder {
 
   explicit DqnEncoder(const Settings& settings) : settings_(settings) {}
 
-  /// Fixes the layout and forgets the last flight's history; the largest values seen stay.
+  /// Sets the layout for this flight and clears the history; the largest values seen are kept.
   void begin(const FlightInfo& flight);
-  /// Forgets the largest values seen, too.
+  /// Resets the largest values seen.
   void forget() noexcept;
   /// Reports must come in order. Throws InputError if there are too few neighbours for the layout.
   void observe(const Observation& observation);
 
   [[nodiscard]] std::size_t inputs() const noexcept;
-  /// Whether `history` steps lie behind the latest report, so that state() exists.
+  /// Whether there are `history` steps before the latest report, which state() needs.
   [[nodiscard]] bool complete() const noexcept { return moments_.size() > settings_.history; }
-  /// No report of this flight yet.
+  /// Whether there has been no report in this flight.
   [[nodiscard]] bool empty() const noexcept { return moments_.empty(); }
   [[nodiscard]] std::vector<float> state() const;
-  /// Of the latest step.
+  /// The reward of the latest step.
   [[nodiscard]] float reward() const;
 
   void save(StateWriter& writer) const;
   void restore(const StateReader& reader);
 
  private:
-  /// One report, and what was done there once that is known.
+  /// One report, with the action after it and its reward once they are known.
   struct Moment {
     std::vector<double> sinr_db;
     double height = 0.0;  // 0..1 over the allowed range

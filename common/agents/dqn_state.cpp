@@ -1,4 +1,4 @@
-// Checkpoints of the DQN: everything its next command depends on.
+// Checkpoints of the DQN: everything that its future commands depend on.
 
 #include <fmt/format.h>
 

@@ -25,7 +25,7 @@ aloft::Parameters parameters_of(const Json& given = Json::object()) {
 }
 
 /// A world of 7 heights, 40 to 100 m, where quality is best at 70 m: 5 there, 1 less per 10 m beside it. The serving
-/// SINR tells the quality; the neighbours are noise.
+/// SINR follows from the quality; the neighbours are noise.
 class Hill {
  public:
   explicit Hill(std::uint64_t seed, std::uint32_t trial = 0, std::uint32_t steps = 100)
@@ -131,7 +131,7 @@ TEST_CASE("with nothing to gain later, Q-values are the rewards") {
   CHECK(flown.last.epsilon == Approx(0.05));
 }
 
-TEST_CASE("the same seed flies the same flight, another trial another one") {
+TEST_CASE("equal seeds and trials give equal flights, another trial a different one") {
   Dqn first(parameters_of());
   Dqn second(parameters_of());
   const std::vector<Action> actions = fly(first, Hill(5)).actions;
@@ -157,7 +157,7 @@ TEST_CASE("a checkpoint in mid-flight changes no command") {
   }
 }
 
-TEST_CASE("a checkpoint survives exactly, and a bad one leaves the agent as it was") {
+TEST_CASE("a checkpoint is restored exactly, and a refused one leaves the agent as it was") {
   const aloft::Parameters parameters = parameters_of();
   Dqn agent(parameters);
   const Dqn fresh(parameters);
@@ -206,7 +206,7 @@ TEST_CASE("lifelong memory carries what was learnt to the next flight") {
   CHECK_THROWS_WITH(agent.begin(measured), Catch::Matchers::Contains("do not mix generated and measured flights"));
 }
 
-TEST_CASE("memory carried as bytes from flight to flight is the memory of one agent that flies on") {
+TEST_CASE("memory carried as bytes from flight to flight equals that of one agent that flies them all") {
   for (const Json& given : {Json{{"memory", "lifelong"}}, Json{{"memory", "lifelong"},
                                                                {"target_network", false},
                                                                {"loss", "cross-entropy"},
@@ -241,7 +241,7 @@ TEST_CASE("trials are dealt to lineages only if memory is lifelong") {
 }
 
 TEST_CASE("it learns from the executed action, whoever commanded it") {
-  // Both see the same flight of someone else, so they must learn the same, whatever they would have done themselves.
+  // Both observe the same flight of another pilot, so they must learn the same, whatever they would have commanded.
   Dqn asked(parameters_of());
   Dqn silent(parameters_of());
   Hill hill(6);
@@ -262,7 +262,7 @@ TEST_CASE("it learns from the executed action, whoever commanded it") {
   CHECK(after.introspection.value().loss > 0.0);
 }
 
-TEST_CASE("what a diverged network thinks is not shown") {
+TEST_CASE("Q-values and loss of a diverged network are not shown") {
   const Introspection fine{.epsilon = 0.5, .loss = 1.0, .q_values = {1.0, -2.0, 3.0}};
   CHECK(showable(fine).value().q_values == fine.q_values);
   CHECK_FALSE(showable(std::nullopt));

@@ -10,7 +10,7 @@ std::unique_ptr<Agent> refuse_external(const Parameters& /*parameters*/) {
       "process; run over DDS (without --in-process) and start your program with the agent's name");
 }
 
-/// What it may be shown stands in the experiment, so that its results can be marked.
+/// The experiment declares the agent's privilege, so that its results can be marked.
 std::vector<std::string> tier_names() {
   std::vector<std::string> names;
   for (const PrivilegeTier& tier : privilege_tiers()) names.emplace_back(tier.name);

@@ -6,8 +6,8 @@
 namespace aloft::agents {
 namespace {
 
-/// exp(-distance / range). In extended precision, because the last bit of a double from std::exp depends on which
-/// instructions the processor has; rounded from there, all processors agree.
+/// exp(-distance / range). The last bit of std::exp for double depends on the processor's instruction set; computed in
+/// extended precision and then rounded, it is the same on all processors.
 double correlation(Eigen::Index distance, double range) {
   return static_cast<double>(std::exp(-static_cast<long double>(distance) / static_cast<long double>(range)));
 }

@@ -8,25 +8,25 @@
 
 namespace aloft::agents {
 
-/// What is assumed about quality before the flight; quality is relative to a unit that the user of the belief chooses.
-/// Levels of height are numbered from 0 at Zmin, i and j are two of them.
+/// The prior distribution of quality, in a unit that the user of the belief chooses. Levels of height are numbered from
+/// 0 at Zmin; i and j are two of them.
 struct QualityPrior {
   double mean = 0.0;           ///< of level 0
-  double slope = 0.0;          ///< by which each level's mean is below the one under it
-  double common_sd = 0.0;      ///< of what all levels share over the flight
+  double slope = 0.0;          ///< decrease of the mean from each level to the next higher one
+  double common_sd = 0.0;      ///< of the constant part that all levels share
   double profile_sd = 0.0;     ///< of each level's own constant part; Cov = profile_sd^2 exp(-|i - j| / profile_range)
   double profile_range = 1.0;  ///< levels
   double change_sd = 0.0;      ///< of the part that changes; Cov = change_sd^2 exp(-|i - j| / change_range)
   double change_range = 1.0;   ///< levels
-  double persistence = 0.0;    ///< of the part that changes, from step to step
+  double persistence = 0.0;    ///< correlation of the part that changes from step to step
   double noise_sd = 0.0;       ///< of a measurement
 };
 
-/// A Kalman filter over the quality of every height: f_k = p_k + l_k, p constant over the flight, l first-order
-/// autoregressive. States are ordered p_0..p_(K-1), l_0..l_(K-1).
+/// A Kalman filter (Kalman 1960) over the quality of every height: f_k = p_k + l_k, p constant over the flight, l
+/// first-order autoregressive. States are ordered p_0..p_(K-1), l_0..l_(K-1).
 ///
-/// The unit of measurement may be known only later (the mean of all rewards so far): the filter is linear, so the mean
-/// is kept in two parts with the same gains, what the prior contributes and what the data contribute; the belief in
+/// The unit u of the measurements can change later (it can be the mean of all rewards so far). The filter is linear, so
+/// the mean is kept in two parts with the same gains, the contribution of the prior and that of the data: the belief in
 /// units of u is prior + data / u.
 class HeightBelief {
  public:
@@ -34,11 +34,11 @@ class HeightBelief {
 
   [[nodiscard]] std::uint32_t levels() const noexcept { return static_cast<std::uint32_t>(levels_); }
 
-  /// One step passes, after which `measured` was read at `level`.
+  /// Predicts one step ahead, then corrects with the quality `measured` at `level`.
   void update(std::uint32_t level, double measured);
 
-  /// Fills for every level the mean + optimism x standard deviation of its quality when `persistence` (a power of
-  /// QualityPrior::persistence) of the changing part is left since the last update; data count `per_unit` each.
+  /// For every level, mean + optimism x standard deviation of its quality i steps after the last update, where
+  /// `persistence` is QualityPrior::persistence to the power of i. `per_unit` is 1 / u.
   void outlook(double persistence, double per_unit, double optimism, std::span<double> into) const;
 
   void save(StateWriter& writer) const;

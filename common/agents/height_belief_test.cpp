@@ -29,7 +29,7 @@ struct Measured {
 const std::vector<Measured> measured_flight{{1, 0, 0.7}, {2, 1, 0.4}, {3, 2, 0.9},
                                             {4, 2, 0.8}, {5, 1, 0.1}, {6, 0, 0.6}};
 
-/// Covariance of the quality of level i at time s with that of level j at time t, as the model is written down.
+/// Covariance of the quality of level i at time s with that of level j at time t, by the definition of the model.
 double covariance(int i, int s, int j, int t) {
   const double distance = std::abs(i - j);
   const double constant =
@@ -47,7 +47,7 @@ struct Estimate {
   double sd;
 };
 
-/// The textbook conditional of a joint Gaussian, all measurements at once: no filter, no recursion.
+/// The conditional distribution of a joint Gaussian given all measurements at once, without a filter.
 Estimate condition(int level, int time) {
   const auto n = static_cast<Eigen::Index>(measured_flight.size());
   Eigen::MatrixXd measured(n, n);
@@ -89,7 +89,7 @@ TEST_CASE("the belief is the conditional of the joint Gaussian, for every level 
   }
 }
 
-TEST_CASE("the unit of the measurements may be given afterwards") {
+TEST_CASE("the unit of the measurements can be given after the updates") {
   HeightBelief belief(believed, belief_levels);
   HeightBelief in_kbps(believed, belief_levels);
   for (const Measured& one : measured_flight) {

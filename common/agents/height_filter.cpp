@@ -11,10 +11,10 @@
 namespace aloft::agents {
 namespace {
 
-/// In generated worlds the belief's unit of quality; in measured flights it is the mean of all rewards so far.
+/// The belief's unit of quality in generated worlds; in measured flights it is the mean of all rewards so far.
 constexpr double spectral_efficiency_unit = 20.0;  // bit/s/Hz
 
-/// One set of parameters: what is believed before the flight, and how far it plans ahead.
+/// One set of parameters: the prior, and those of the plan.
 struct Preset {
   QualityPrior prior;
   double optimism = 0.0;
@@ -89,7 +89,7 @@ std::vector<ParameterSpec> height_filter_parameters() {
 }
 
 /// Keeps a belief about the quality of every height (HeightBelief) and flies the first action of the best plan over the
-/// next steps. Needs no training; sees nothing but its rewards.
+/// next steps. It needs no training and uses only its rewards.
 class HeightFilter final : public SteeringAgent {
  public:
   explicit HeightFilter(const Parameters& parameters) : SteeringAgent("height-filter", parameters), belief_({}, 1) {
@@ -109,8 +109,8 @@ class HeightFilter final : public SteeringAgent {
     belief_.update(level(), observation.reward);
   }
 
-  /// V_i(k) = U_i(k) + discount * max over |k' - k| <= 1 of V_(i+1)(k'), V after the horizon = 0; moves to the
-  /// reachable level with the largest V_1. Ties hold.
+  /// V_i(k) = U_i(k) + discount * max over |k' - k| <= 1 of V_(i+1)(k'), V after the horizon = 0. Moves to the
+  /// reachable level with the largest V_1; holds on a tie.
   Command act() override {
     const double per_unit = data_per_unit();
     std::fill(value_.begin(), value_.end(), 0.0);
@@ -138,14 +138,14 @@ class HeightFilter final : public SteeringAgent {
     rewards_ = 0;
   }
 
-  /// One reward, in units of the belief. Before the first reward, and while nothing is ever received, the prior alone
-  /// counts.
+  /// The factor from rewards to units of the belief. It is 0, so that only the prior counts, before the first reward
+  /// and while all rewards are 0.
   [[nodiscard]] double data_per_unit() const {
     if (flight().qos == QosKind::spectral_efficiency) return 1.0 / spectral_efficiency_unit;
     return reward_sum_ > 0.0 ? static_cast<double>(rewards_) / reward_sum_ : 0.0;
   }
 
-  /// The level with the largest value among `k` and its neighbours; of equals k itself, then the lower one.
+  /// The level with the largest value among `k` and its neighbours; on a tie k itself, then the lower one.
   [[nodiscard]] std::size_t best_near(std::size_t k) const {
     std::size_t best = k;
     if (k > 0 && value_[k - 1] > value_[best]) best = k - 1;
@@ -170,8 +170,8 @@ class HeightFilter final : public SteeringAgent {
   HeightBelief belief_;
   double reward_sum_ = 0.0;  // unit of the flight's quality
   std::uint64_t rewards_ = 0;
-  std::vector<double> persistence_;  // [i]: what is left of a change after i steps
-  // Memory of act(), per level.
+  std::vector<double> persistence_;  // [i]: correlation of the changing part over i steps
+  // Scratch memory of act(), per level.
   std::vector<double> value_;
   std::vector<double> outlook_;
 };

@@ -99,7 +99,7 @@ TEST_CASE("height-filter flies the first action of the best of all plans") {
   CHECK(height_changes > 50);
 }
 
-TEST_CASE("height-filter finds the good height of a hill and stays near it") {
+TEST_CASE("height-filter finds the best height of a hill and stays near it") {
   const aloft::radio::HeightGrid grid{40, 140, 10, 10};
   std::vector<double> hill;
   for (std::uint32_t i = 0; i < grid.size(); ++i) hill.push_back(15.0 - 2.0 * std::fabs(i - 4.0));
@@ -110,7 +110,7 @@ TEST_CASE("height-filter finds the good height of a hill and stays near it") {
 }
 
 TEST_CASE("height-filter has the same bits on every machine") {
-  // The whole memory after a flight, covariances included. A new format of agent states changes it, too.
+  // Digests of the agent's state after a flight, covariances included. A new format of states changes them, too.
   const auto digest = [](QosKind kind) {
     const aloft::radio::HeightGrid grid{40, 140, 10, 10};
     aloft::RandomStream random(1, 0, "golden flight");

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t never = -1;
 
-/// In Mbit/s or bit/s/Hz. For measured flights as given with the algorithm; for generated worlds chosen among 130
-/// settings on 300 trials of each of 1, 2.5 and 5 base stations per km2, seed 990001.
+/// Settings in Mbit/s or bit/s/Hz. Those for measured flights came with the algorithm; those for generated worlds are
+/// the best of 130 on 300 trials of each of 1, 2.5 and 5 base stations per km2, seed 990001.
 struct BanditPreset {
   std::string_view prefix;
   std::string_view unit;
@@ -44,9 +44,9 @@ std::vector<ParameterSpec> bandit_parameters() {
   return table;
 }
 
-/// Keeps a running estimate of the quality of every level, and goes to the most promising of the three within reach:
-/// a level it knows is worth its estimate + staleness * sqrt(steps since it was there), one it does not know the
-/// present level's estimate + optimism * exp(-bias * level).
+/// A bandit over levels: keeps a running average of the quality of every level, and goes to the best of the three
+/// within reach. A visited level is worth its average + staleness * sqrt(steps since the visit), another one the
+/// present level's average + optimism * exp(-bias * level).
 class LocalBandit final : public SteeringAgent {
  public:
   explicit LocalBandit(const Parameters& parameters) : SteeringAgent("local-bandit", parameters) { forget(); }
@@ -111,7 +111,7 @@ class LocalBandit final : public SteeringAgent {
   }
 
   double alpha_ = 0.0;
-  double optimism_ = 0.0;  // Mbit/s or bit/s/Hz, as the two below
+  double optimism_ = 0.0;  // Mbit/s or bit/s/Hz
   double bias_ = 0.0;
   double staleness_ = 0.0;
   std::vector<double> estimate_;       // per level

@@ -16,7 +16,7 @@ TEST_CASE("local-bandit weighs known, stale and unknown heights") {
     double reward_mbps;
     Action answer;
   };
-  // alpha 0.2, optimism 2, bias 0.3, staleness 0.6. Worth of (down, here, up), worked by hand:
+  // alpha 0.2, optimism 2, bias 0.3, staleness 0.6. The worth of (down, hold, up), computed by hand:
   const Moment moments[] = {
       {40, 0, Action::hold},   // nothing known: (-, 2, 2 exp(-0.3) = 1.48)
       {40, 10, Action::up},    // q0 = 10: (-, 10, 10 + 1.48)
@@ -24,7 +24,7 @@ TEST_CASE("local-bandit weighs known, stale and unknown heights") {
       {40, 5, Action::hold},   // q0 = 10 + 0.2 (5 - 10) = 9: (-, 9, 8 + 0.6)
       {40, 9, Action::hold},   // (-, 9, 8 + 0.6 sqrt 2 = 8.85)
       {40, 9, Action::up},     // (-, 9, 8 + 0.6 sqrt 3 = 9.04)
-      {60, 20, Action::hold},  // someone else climbed on: q2 = 20, (8 + 0.6 sqrt 4, 20, -)
+      {60, 20, Action::hold},  // another pilot climbed further: q2 = 20, (8 + 0.6 sqrt 4, 20, -)
       {60, 0, Action::hold},   // q2 = 16
   };
   struct Unit {

@@ -5,10 +5,11 @@
 
 namespace aloft::agents {
 
-/// The rank of agents that have none of their own.
+/// The rank of agents whose type sets none.
 inline constexpr int default_rank = 90;
 
-/// How tables and charts show an agent. Colours follow Okabe-Ito and Tol and differ in lightness, too.
+/// How tables and charts show an agent. Colours follow the palettes of Okabe and Ito, and of Tol; they
+/// also differ in lightness.
 struct Look {
   std::string agent;        ///< its name in the experiment
   int rank = default_rank;  ///< the lowest comes first

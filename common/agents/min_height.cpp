@@ -4,7 +4,7 @@
 namespace aloft::agents {
 namespace {
 
-/// Stays at Zmin (Zhang), and returns there if someone else left it.
+/// Stays at Zmin (the paper's baseline after Zhang), and returns there if another agent has left it.
 class MinHeight final : public SteeringAgent {
  public:
   explicit MinHeight(const Parameters& parameters) : SteeringAgent("min-height", parameters) {}

@@ -24,7 +24,7 @@ enum class Action : std::uint8_t {
   return qos * (kind == QosKind::throughput ? 1e-3 : 1.0);
 }
 
-/// What every agent may know before the flight.
+/// The facts about a flight that every agent knows before it.
 struct FlightInfo {
   QosKind qos = QosKind::spectral_efficiency;
   double height_min_m = 0.0;
@@ -35,8 +35,8 @@ struct FlightInfo {
   std::uint32_t trial = 0;
 };
 
-/// What the UAV's modem and autopilot report after a step: all that an unprivileged agent ever sees.
-/// Step 0 is the situation before the first action (executed = none, reward and qos not scored).
+/// The report of the UAV's modem and autopilot after a step, the only input of an unprivileged agent.
+/// Step 0 is the situation before the first action (executed = none; reward and qos are not scored).
 struct Observation {
   std::uint32_t step = 0;
   double height_m = 0.0;
@@ -46,7 +46,7 @@ struct Observation {
   std::array<double, max_neighbours> neighbour_sinr_db{};  ///< descending
   double qos = 0.0;                                        ///< unit: FlightInfo::qos
   Action executed =
-      Action::none;     ///< the action that led here, after clamping to the height limits, whoever commanded it
+      Action::none;     ///< the action that led here, after clamping to the height limits, whichever agent commanded it
   double reward = 0.0;  ///< of that action; unit of qos
   bool last = false;    ///< the flight ends here; no command is expected
 };

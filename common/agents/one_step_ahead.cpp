@@ -7,8 +7,8 @@
 namespace aloft::agents {
 namespace {
 
-/// Knows the quality at every height where the result of this very step will be read, and moves one d towards the best
-/// of all these heights (not to the best of the three within reach); holds only if it is there.
+/// Knows the quality at every height at the place where this step's result will be read, and moves one d towards the
+/// best of all these heights (not to the best of the three within reach). It holds only at the best height.
 class OneStepAhead final : public SteeringAgent {
  public:
   explicit OneStepAhead(const Parameters& parameters)
@@ -27,7 +27,7 @@ class OneStepAhead final : public SteeringAgent {
 
  private:
   double resolution_m_;
-  // Not saved: both are given anew before every command.
+  // Not saved: foresee() sets both before every command.
   std::uint32_t foreseen_step_ = 0;
   double target_m_ = 0.0;
 };

@@ -32,7 +32,7 @@ TEST_CASE("one-step-ahead conforms") {
 TEST_CASE("one-step-ahead moves towards the best height of the place where its result is read") {
   // clang-format off
   const Table table{
-      // 45 and 55 m are no multiples of 10 m above Zmin. Flown, targets in brackets:
+      // 45 and 55 m are not multiples of 10 m above Zmin. Heights flown, with targets in brackets:
       //                  every height   multiples of 10 m
       {0, 0, 0, 0, 99},  // point 0 is never scored
       {5, 0, 1, 0, 9},   // 50 (60)      50 (60), although it is the worst of the three within reach
@@ -49,13 +49,13 @@ TEST_CASE("one-step-ahead moves towards the best height of the place where its r
         std::vector<double>{50, 50, 40, 50, 40, 40});
 }
 
-TEST_CASE("one-step-ahead in a measured flight looks at the very step that it flies") {
+TEST_CASE("one-step-ahead in a measured flight foresees the step that it flies") {
   const aloft::radio::HeightGrid grid{20, 40, 10, 10};
   const SyntheticMap map(QosKind::throughput, grid, {{0, 0, 9}, {9, 0, 0}, {0, 0, 9}, {0, 9, 0}});
   CHECK(heights_flown("one-step-ahead", map) == std::vector<double>{30, 20, 30, 30});
 }
 
-TEST_CASE("one-step-ahead does not fly blind") {
+TEST_CASE("one-step-ahead throws if it was not shown the next step") {
   const auto agent = parse_agents("one-step-ahead", "agents[0]").front().make();
   agent->begin({.height_min_m = 40, .height_max_m = 80, .height_step_m = 10, .steps = 9});
   agent->observe({.step = 0, .height_m = 40});

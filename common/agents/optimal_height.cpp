@@ -23,7 +23,7 @@ class OptimalHeight final : public SteeringAgent {
   }
 
  private:
-  // Not saved: both are given anew before every command.
+  // Not saved: foresee() sets both before every command.
   std::uint32_t foreseen_step_ = 0;
   double target_m_ = 0.0;
 };

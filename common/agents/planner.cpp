@@ -10,7 +10,7 @@ namespace aloft::agents {
 namespace {
 
 /// Knows the whole route and flies the best feasible flight: the largest sum of quality with at most one level per
-/// step, by dynamic programming from the last step back to the first. Of equally good actions it takes hold, then down.
+/// step, by dynamic programming (Bellman) from the last step to the first. On ties it prefers hold, then down.
 class Planner final : public SteeringAgent {
  public:
   explicit Planner(const Parameters& parameters) : SteeringAgent("planner", parameters) {}

@@ -42,7 +42,7 @@ TEST_CASE("planner flies the best of all feasible flights") {
   }
 }
 
-TEST_CASE("planner sees levels only, also in a finer map") {
+TEST_CASE("planner uses only the heights of levels, also in a finer map") {
   const aloft::radio::HeightGrid grid{40, 60, 10, 5};
   SyntheticMap map(QosKind::spectral_efficiency, grid,
                    {{0, 0, 0, 0, 0}, {1, 9, 0, 9, 0}, {0, 9, 0, 9, 0}, {0, 0, 0, 0, 3}});
@@ -54,7 +54,7 @@ TEST_CASE("planner sees levels only, also in a finer map") {
   CHECK(record.qos_mean() * 3 == Approx(4.0));
 }
 
-TEST_CASE("planner holds where nothing is to be gained") {
+TEST_CASE("planner holds where no action gains quality") {
   const aloft::radio::HeightGrid grid{40, 60, 10, 10};
   SyntheticMap map(QosKind::throughput, grid, std::vector<std::vector<double>>(6, {5.0, 5.0, 5.0}));
   CHECK(plan(map).height_changes() == 0);

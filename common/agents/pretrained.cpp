@@ -18,8 +18,8 @@
 namespace aloft::agents {
 namespace {
 
-/// The network in flight. Sums run over the inputs in a fixed order, one multiplication and one addition each, so that
-/// every machine gets the same bits.
+/// The network as it is used in flight. Sums run over the inputs in a fixed order, with a multiplication and an
+/// addition each, so that every machine gets the same bits.
 class FlyingNetwork {
  public:
   explicit FlyingNetwork(const PretrainedModel::Network& network) {
@@ -53,7 +53,7 @@ class FlyingNetwork {
   std::vector<Layer> layers_;
 };
 
-/// What a model file says, read once per agent.
+/// The content of a model file, ready for use.
 struct LoadedModel {
   std::uint64_t id;  // of the file's bytes
   FlyingNetwork spectral_efficiency;
@@ -74,7 +74,7 @@ LoadedModel load(std::string_view bytes, std::string_view where) {
   return {sha256_id(bytes), FlyingNetwork(model.spectral_efficiency), FlyingNetwork(model.throughput)};
 }
 
-/// The built-in model is made ready once per process: an agent is made for every flight.
+/// The built-in model is loaded once per process, because an agent is made for every flight.
 std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::string& sha256) {
   if (!path.empty()) {
     const std::string bytes = read_model(path);
@@ -85,7 +85,7 @@ std::shared_ptr<const LoadedModel> model_of(const std::string& path, const std::
   return builtin;
 }
 
-/// Flies what a network trained beforehand prefers; learns nothing in flight.
+/// Flies the preferred action of a pre-trained network (docs/learners.md), which does not change in flight.
 class Pretrained final : public SteeringAgent {
  public:
   explicit Pretrained(const Parameters& parameters)

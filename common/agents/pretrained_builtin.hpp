@@ -4,9 +4,9 @@
 
 namespace aloft::agents {
 
-/// data/models/pretrained.pb, carried inside the program.
+/// The bytes of data/models/pretrained.pb, linked into the program.
 [[nodiscard]] std::string_view builtin_model();
-/// Of its bytes, as 64 hexadecimal digits.
+/// The SHA-256 of these bytes, as 64 hexadecimal digits.
 [[nodiscard]] std::string_view builtin_model_sha256();
 
 }  // namespace aloft::agents

@@ -14,7 +14,7 @@ namespace aloft::agents {
 /// PretrainedState::inputs - hidden - hidden (ReLU) - 3 (linear: down, hold, up).
 [[nodiscard]] learn::NetworkShape pretrained_shape(std::size_t hidden_width);
 
-/// The action of the largest value: 0 down, 1 hold, 2 up. Of equals hold, then down.
+/// The action of the largest value: 0 down, 1 hold, 2 up. On ties hold, then down.
 [[nodiscard]] std::size_t preferred_action(std::span<const float, 3> values) noexcept;
 
 /// The content of a model file (idl/model.proto).
@@ -34,8 +34,8 @@ struct PretrainedModel {
   [[nodiscard]] std::string to_bytes() const;
 };
 
-/// `where` names the file in messages. InputError with the reason: truncated, altered, of a newer format, for another
-/// state layout, networks missing or of a wrong size.
+/// `where` names the file in messages. Throws InputError with the reason if the file is truncated, altered, of a newer
+/// format or for another state layout, or if networks are missing or of a wrong size.
 [[nodiscard]] PretrainedModel parse_pretrained_model(std::string_view bytes, std::string_view where);
 
 }  // namespace aloft::agents

@@ -24,7 +24,7 @@ PretrainedModel small_model() {
   return model;
 }
 
-/// The small model's bytes after a change of the content, sealed anew.
+/// The small model's bytes after a change of the content, with a new checksum.
 template <typename Change>
 std::string changed(Change change) {
   proto::SealedModel sealed;

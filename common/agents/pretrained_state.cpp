@@ -6,14 +6,14 @@
 namespace aloft::agents {
 namespace {
 
-constexpr int reach = 6;  // levels below and above that are seen
+constexpr int reach = 6;  // levels below and above that are inputs
 constexpr std::size_t max_age = 400;
 
 float efficiency(double sinr_db) {
   return static_cast<float>(std::log2(1.0 + std::pow(10.0, sinr_db / 10.0)));
 }
 
-/// exp(-age / steps) for every age; zero, as good as, beyond the table.
+/// exp(-age / steps) for every age in the table; beyond it counts as zero.
 std::array<float, max_age> fading_memory(double steps) {
   std::array<float, max_age> table{};
   for (std::size_t age = 0; age < max_age; ++age) table[age] = static_cast<float>(std::exp(-double(age) / steps));

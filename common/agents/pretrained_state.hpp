@@ -9,14 +9,14 @@
 
 namespace aloft::agents {
 
-/// What the pre-trained network sees of one report.
+/// The part of one report that the pre-trained network uses.
 struct PretrainedReport {
   std::uint32_t level = 0;
   float qos = 0.0F;
   std::array<float, max_neighbours> se{};  ///< log2(1 + SINR) of the serving cell and its neighbours; 0: not reported
 };
 
-/// `level`: of the observation's height.
+/// `level` is that of the observation's height.
 [[nodiscard]] PretrainedReport pretrained_report(QosKind kind, std::uint32_t level, const Observation& observation);
 
 /// The inputs of the pre-trained network: a function of the reports so far and nothing else.
@@ -30,15 +30,16 @@ struct PretrainedReport {
 /// - k / 10; (K - 1 - k) / 10;
 /// - for the last four steps, newest first: quality x s, change of level;
 /// - mean quality x s; greatest quality x s / 2; min(steps, 200) / 100.
-/// With throughput all SINRs are zero: measured worlds have no neighbours, and the SINR says what the throughput says.
+/// With throughput all SINRs are zero: measured worlds have no neighbours, and the serving SINR has no more
+/// information than the throughput.
 class PretrainedState {
  public:
-  /// Of this layout; a model is made for one.
+  /// The version of this layout; every model is made for one layout.
   static constexpr std::uint32_t layout_version = 1;
   static constexpr std::size_t inputs = 83;
   static constexpr std::size_t history = 4;
 
-  /// Copied into memory by save and restore.
+  /// Everything that save and restore must keep.
   struct Memory {
     struct Level {
       float qos = 0.0F;
@@ -63,7 +64,7 @@ class PretrainedState {
 
   void observe(const PretrainedReport& report);
   void encode(std::span<float, inputs> to) const;
-  /// s.
+  /// The factor s above.
   [[nodiscard]] float scale() const noexcept;
 
   [[nodiscard]] const Memory& memory() const noexcept { return memory_; }

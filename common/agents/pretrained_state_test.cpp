@@ -22,14 +22,14 @@ void check(const Inputs& inputs, std::size_t first, std::initializer_list<double
   }
 }
 
-/// Where the five values of an offset begin.
+/// The index of the first of an offset's five values.
 std::size_t block(int offset) {
   return static_cast<std::size_t>(offset + 6) * 5;
 }
 
 }  // namespace
 
-TEST_CASE("inputs of the pre-trained network, worked out by hand") {
+TEST_CASE("the inputs of the pre-trained network equal those computed by hand") {
   // Four levels. Reports: level 0 with 10 bit/s/Hz, then level 1 with 4, then level 0 with 6.
   PretrainedState state(QosKind::spectral_efficiency, 4);
   state.observe({0, 10.0F, {10.0F, 5.0F, 3.0F, 2.0F, 1.0F}});
@@ -48,7 +48,7 @@ TEST_CASE("inputs of the pre-trained network, worked out by hand") {
   check(inputs, 80, {20.0 / 3.0 / 20.0, 10.0 / 20.0 / 2.0, 0.02});
 }
 
-TEST_CASE("the network's inputs count throughput in means of the flight so far") {
+TEST_CASE("the network's inputs are relative to the mean throughput of the flight so far") {
   PretrainedState state(QosKind::throughput, 2);
   state.observe({0, 3'000.0F, {}});
   state.observe({1, 9'000.0F, {}});

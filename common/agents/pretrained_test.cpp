@@ -47,7 +47,7 @@ TEST_CASE("pretrained conforms") {
   aloft::flight::check_conformance("pretrained");
 }
 
-TEST_CASE("pretrained flies what its network prefers") {
+TEST_CASE("pretrained flies the action that its network prefers") {
   const PretrainedModel model = parse_pretrained_model(builtin_model(), "built-in");
   const AgentSpec spec = parse_agents("pretrained", "agents[0]").front();
   for (const QosKind kind : {QosKind::spectral_efficiency, QosKind::throughput}) {
@@ -88,7 +88,7 @@ TEST_CASE("pretrained takes a model file and refuses a damaged one by name") {
   CHECK_THROWS_AS(missing.make(), aloft::InputError);
 }
 
-TEST_CASE("the built-in model is the file whose SHA-256 stands beside it") {
+TEST_CASE("the built-in model has the SHA-256 of the published file") {
   std::ifstream stream(aloft::test::source_dir() / "data/models/pretrained.pb.sha256");
   std::string expected;
   stream >> expected;

@@ -7,22 +7,22 @@
 
 namespace aloft::agents {
 
-/// How far an agent sees beyond what a real UAV reports, in ascending order. Each has a row in privilege_tiers(), from
-/// which everything that names or marks it is made.
+/// How much of the future an agent sees, in ascending order. Each privilege has a row in privilege_tiers(), from which
+/// its names and marks are made everywhere.
 enum class Privilege : std::uint8_t { none, next_step, whole_route };
 
-/// How a privilege is called and shown.
+/// The names and marks of a privilege.
 struct PrivilegeTier {
   Privilege privilege = Privilege::none;
   std::string_view name;  ///< in files: "next-step"
-  std::string_view mark;  ///< behind the name of an agent in tables and charts; empty: nothing to mark
+  std::string_view mark;  ///< after the name of an agent in tables and charts; empty: no mark
   std::string_view sees;  ///< "the next step at every height"
 };
 
 /// All tiers, ascending.
 [[nodiscard]] std::span<const PrivilegeTier> privilege_tiers() noexcept;
 [[nodiscard]] const PrivilegeTier& privilege_tier(Privilege privilege);
-/// By its name in files; std::logic_error if there is none.
+/// The tier with this name in files; std::logic_error if there is none.
 [[nodiscard]] const PrivilegeTier& privilege_tier(std::string_view name);
 
 /// An agent's name as tables show it: "dqn", "planner **".

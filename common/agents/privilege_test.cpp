@@ -21,7 +21,7 @@ TEST_CASE("the tiers ascend, and each has its own name and mark") {
   CHECK_THROWS_AS(privilege_tier("all"), std::logic_error);
 }
 
-TEST_CASE("a mark stands behind the name, and is explained") {
+TEST_CASE("a mark follows the name, and is explained") {
   CHECK(marked("dqn", privilege_tier(Privilege::none)) == "dqn");
   CHECK(marked("one-step-ahead", privilege_tier(Privilege::next_step)) == "one-step-ahead *");
   CHECK(marked("planner", privilege_tier(Privilege::whole_route)) == "planner **");

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Filled while the program starts, by every agent file for itself, in any order.
+/// Every agent's file adds its own entry while the program starts, in any order.
 std::vector<AgentType>& registered_types() {
   static std::vector<AgentType> types;
   return types;
@@ -103,9 +103,9 @@ struct Variant {
   Json parameters;
 };
 
-/// How many combinations the values in lists make must be known before they are made.
+/// Refuses too many combinations of the values in lists before any of them is made.
 void check_combinations(const Json& given, std::string_view where) {
-  double combinations = 1;  // may be more than any integer
+  double combinations = 1;  // can exceed the range of integers
   for (const auto& value : given)
     if (value.is_array()) combinations *= static_cast<double>(value.size());
   if (combinations > static_cast<double>(limits::agents))

@@ -24,30 +24,30 @@ struct AgentType {
   std::string description{};  ///< one sentence
   Privilege privilege = Privilege::none;
   bool unconstrained = false;  ///< may command Action::absolute
-  bool learns = false;         ///< in flight
+  bool learns = false;         ///< whether it learns in flight
   bool foreign = false;  ///< flown by a program of the user's over DDS: every instance needs a name, and make throws
-  bool trained_beforehand = false;  ///< on training_worlds: elsewhere it may do worse
+  bool trained_beforehand = false;  ///< on training_worlds; on other worlds it can do worse
   std::optional<Host> host{};       ///< unset: the learning agent's if it learns, else the baseline agent's
-  int rank = default_rank;          ///< in tables and charts, of those without a look of their own
-  std::vector<Look> looks{};        ///< by the agent's name; the others get colours in the order of their appearance
-  /// If set, this parameter names a file that the agent reads, and "PARAMETER_sha256" what the file must hold; an
-  /// experiment fills that in when it is resolved.
+  int rank = default_rank;          ///< order in tables and charts of agents that have no look
+  std::vector<Look> looks{};  ///< for agents with these names; others get the palette's colours in order of appearance
+  /// If set, this parameter is the path of a file that the agent reads, and "PARAMETER_sha256" is that file's digest,
+  /// which is filled in when an experiment is resolved.
   std::string file_parameter{};
   bool relay = false;            ///< a crew of other agents in one flight: every instance needs a name, and make throws
   std::string name_parameter{};  ///< if set, "type-VALUE" is an instance name that sets it (constant-120); empty: none
   std::vector<ParameterSpec> parameters{};
   std::function<std::unique_ptr<Agent>(const Parameters&)> make{};
-  /// Where something that it carries came from, for people; unset: it carries nothing.
+  /// The origin of data that are built into the agent, for people; unset: there are none.
   std::function<nlohmann::json()> provenance{};
-  /// For types that may remember earlier flights: see AgentSpec::lineages. Unset: every flight starts afresh.
+  /// For types that can remember earlier flights, see AgentSpec::lineages. Unset: no flight has memory of another.
   std::function<std::uint32_t(const Parameters&)> lineages{};
 
   [[nodiscard]] Host hosted_by() const noexcept {
     return host.value_or(learns ? Host::learning_agent : Host::baseline_agent);
   }
-  /// Whether what it does comes from learning, in flight or before.
+  /// Whether it has learned, in flight or before.
   [[nodiscard]] bool is_learner() const noexcept { return learns || trained_beforehand; }
-  /// What the agent of this name looks like, if that is laid down.
+  /// The look of the agent with this name, if its type sets one.
   [[nodiscard]] const Look* look_of(std::string_view agent) const noexcept;
   [[nodiscard]] int rank_of(std::string_view agent) const noexcept;
 };
@@ -57,7 +57,7 @@ bool register_agent(AgentType type);
 
 /// All types, sorted by name.
 [[nodiscard]] std::span<const AgentType> agent_types();
-/// Throws InputError with the nearest valid name.
+/// The type with this name. Throws InputError with the nearest valid name.
 [[nodiscard]] const AgentType& agent_type(std::string_view name);
 
 struct CrewMember;
@@ -69,26 +69,26 @@ struct AgentSpec {
   Parameters parameters;
   std::vector<CrewMember> crew;  ///< of a relay, else empty: see relay.hpp
 
-  /// std::logic_error for a relay: make its members.
+  /// Throws std::logic_error for a relay, whose members are made one by one.
   [[nodiscard]] std::unique_ptr<Agent> make() const;
   /// As an entry of an experiment file that gives back the same agent.
   [[nodiscard]] nlohmann::json to_json() const;
-  /// Of a relay: the highest of its crew. Of a foreign agent: what the experiment allows it.
+  /// The privilege of the type; for a relay the highest of its crew, for a foreign agent the one in the experiment.
   [[nodiscard]] Privilege privilege() const;
-  /// 0: every flight starts afresh. k: the agent that flies trial t starts with the memory (Agent::save_state) with
-  /// which it ended trial t - k of the same condition: k independent chains of flights.
+  /// 0: no flight has memory of another. k: the agent that flies trial t starts with the memory (Agent::save_state)
+  /// with which it ended trial t - k of the same condition: k independent chains of flights.
   [[nodiscard]] std::uint32_t lineages() const;
-  /// The trial whose memory the agent starts with; none if it starts afresh.
+  /// The trial whose memory the agent starts with; nothing if it starts without memory.
   [[nodiscard]] std::optional<std::uint32_t> remembered_trial(std::uint32_t trial) const;
 };
 
 /// One of the agents that share the flights of a relay.
 struct CrewMember {
   AgentSpec agent;
-  std::uint32_t from_step = 0;  ///< the first step that it flies; 0: it stands by
-  bool shadow = true;           ///< comes aboard before the first step and follows; else when it is its turn
+  std::uint32_t from_step = 0;  ///< the first step that it flies; 0: it is a standby
+  bool shadow = true;  ///< comes aboard before the first step and follows the flight; else it comes for its first step
 
-  /// The step whose report is the first that it sees if all goes as written; none if it never comes aboard.
+  /// The step of its first report if no agent fails; nothing if it never comes aboard.
   [[nodiscard]] std::optional<std::uint32_t> boards_at() const noexcept {
     if (shadow) return 0;
     return from_step > 0 ? std::optional(from_step - 1) : std::nullopt;
@@ -100,7 +100,7 @@ struct CrewMember {
 
 /// From an experiment file's entry: "min-height", "constant-120", {"type": "dqn", "loss": "cross-entropy", "name":
 /// "dqn-ce"}. A list as a parameter's value makes one agent per value, named type-value (several lists: every
-/// combination, values in the order of their keys). Names are as is_agent_name says. `where` is the JSON
+/// combination, values in the order of their keys). Names satisfy is_agent_name(). `where` is the JSON
 /// path for errors (InputError).
 [[nodiscard]] std::vector<AgentSpec> parse_agents(const nlohmann::json& entry, std::string_view where);
 

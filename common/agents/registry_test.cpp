@@ -21,7 +21,7 @@ std::vector<std::string> names(const nlohmann::json& entry) {
 using Names = std::vector<std::string>;
 using Json = nlohmann::json;
 
-/// A type that only these tests know.
+/// A type for these tests only.
 const bool registered = register_agent(
     {.name = "sample",
      .description = "For tests.",
@@ -97,7 +97,7 @@ TEST_CASE("wrong entries are refused with the reason and the nearest valid name"
   CHECK_THROWS_WITH(agent_type("sampel"), Contains("Did you mean 'sample'?"));
 }
 
-TEST_CASE("an external agent needs a name and cannot be made here") {
+TEST_CASE("an external agent needs a name and cannot be made in this process") {
   CHECK_THROWS_WITH(parse_agents("external", "agents[0]"), Contains("needs \"name\""));
   const auto spec = parse_agents({{"type", "external"}, {"name", "my-agent"}}, "agents[0]").front();
   CHECK(spec.name == "my-agent");

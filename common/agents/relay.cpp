@@ -22,7 +22,7 @@ AgentSpec one_agent(const Json& entry, const std::string& where) {
   if (type.relay) throw InputError(fmt::format("{}: a relay cannot be part of a relay; list its crew here", where));
   if (specs.front().privilege() != Privilege::none)
     throw InputError(
-        fmt::format("{}: agent '{}' is privileged: it would have to be shown quality that nobody measured, in the "
+        fmt::format("{}: agent '{}' is privileged: it would have to be shown quality that was not measured, in the "
                     "middle of a flight; use agents without privilege (see aloft agents)",
                     where, specs.front().name));
   if (specs.front().lineages() > 0)
@@ -45,8 +45,8 @@ CrewMember member(Json entry, const std::string& where) {
                     settings.flag("shadow")};
   if (result.shadow && agent_type(result.agent.type).foreign)
     throw InputError(
-        fmt::format("{}: agent '{}' is a program of your own, which hears only what it is asked; give it \"shadow\": "
-                    "false",
+        fmt::format("{}: agent '{}' is a program of your own, which receives only the reports that it must "
+                    "answer; give it \"shadow\": false",
                     where, result.agent.name));
   return result;
 }

@@ -1,4 +1,4 @@
-// Relays: who is in a crew, who flies when.
+// Relays: the members of a crew, and which of them flies when.
 #include "common/agents/relay.hpp"
 
 #include <catch2/catch.hpp>
@@ -27,7 +27,7 @@ std::string refusal(const Json& crew) {
 
 }  // namespace
 
-TEST_CASE("a relay's crew: defaults, order, and the same again from its canonical form") {
+TEST_CASE("a relay's crew: defaults, order, and the round trip through its canonical form") {
   const AgentSpec spec = relay(Json::parse(R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "name": "learner", "epochs": 5}, "from_step": 20, "shadow": false},
     {"agent": "constant-60", "from_step": 21}, {"agent": "random-walk"}, {"agent": "constant-80", "shadow": false}])"));

@@ -34,8 +34,8 @@ class StateWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads what StateWriter wrote. Every doubt (truncated, altered, another agent, other parameters, a field that is
-/// missing or has another size) is an IntegrityError that names the reason.
+/// Reads the bytes of a StateWriter. Throws IntegrityError with the reason if they are truncated, altered, of another
+/// agent or other parameters, or if a field is missing or has another size.
 class StateReader {
  public:
   StateReader(std::string_view bytes, std::string_view agent_type, const Parameters& parameters);
@@ -55,7 +55,7 @@ class StateReader {
   void get(std::string_view name, std::span<float> values) const;
   void get(std::string_view name, std::span<std::int64_t> values) const;
 
-  /// An IntegrityError that names this state, for checks of the agent's own ("replay.size is 200, allowed 0 to 100").
+  /// Throws an IntegrityError about this state, for the agent's own checks ("replay.size is 200, allowed 0 to 100").
   [[noreturn]] void refuse(std::string_view reason) const;
 
  private:

@@ -39,7 +39,7 @@ std::string reason_of(const std::string& bytes, const std::string& type = "sampl
 
 }  // namespace
 
-TEST_CASE("a state gives back every field it was given") {
+TEST_CASE("a state returns every field that was put into it") {
   const StateReader reader(sample(), "sample", parameters);
   const auto values = reader.doubles("values");
   CHECK(std::vector<double>(values.begin(), values.end()) == std::vector<double>{1.5, -0.0, 1e300});

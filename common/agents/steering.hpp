@@ -10,7 +10,7 @@
 
 namespace aloft::agents {
 
-/// Stores what is known before a flight, so that an agent can be restored in the middle of it.
+/// Saves the facts of a flight, so that an agent can be restored in the middle of it.
 void save_flight(StateWriter& writer, const FlightInfo& flight);
 [[nodiscard]] FlightInfo restore_flight(const StateReader& reader);
 
@@ -19,7 +19,7 @@ void save_flight(StateWriter& writer, const FlightInfo& flight);
 /// The nearest level, also for heights between two of them (shadowing an unconstrained agent).
 [[nodiscard]] std::uint32_t nearest_level(const FlightInfo& flight, double height_m) noexcept;
 
-/// What most agents share: the flight's limits, the present height, saving and restoring both.
+/// Base class of most agents: keeps the flight's limits and the present height, and saves and restores both.
 class SteeringAgent : public Agent {
  public:
   SteeringAgent(std::string_view type, Parameters parameters);
@@ -37,7 +37,7 @@ class SteeringAgent : public Agent {
   /// Steps flown so far.
   [[nodiscard]] std::uint32_t step() const noexcept { return step_; }
 
-  /// Memory beyond the above. restore() is called with flight() already in place.
+  /// Save and restore further memory. Before restore() is called, flight() has been restored.
   virtual void save(StateWriter& writer) const;
   virtual void restore(const StateReader& reader);
 

@@ -50,7 +50,7 @@ bool no_schema_can_say(const std::string& message) {
       // agents together with worlds and with other agents
       std::regex("plans the whole route|looks at .* neighbour cells|would fly from step|would never fly"),
       std::regex("needs an agent that can take over|cannot be part of a relay|would have to be shown quality"),
-      std::regex("which a crew member cannot|hears only what it is asked|a crew member is one agent"),
+      std::regex("which a crew member cannot|receives only the reports that it must answer|a crew member is one agent"),
       std::regex("the first member flies from step 1|use more than the .* of an earlier member"),
       // products of lists
       std::regex("combinations, but|the sweep has more than|are too many; use at most|bytes when resolved"),

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t names_listed = 4;                // in messages
 constexpr double rate_memory_s = 5.0;                  // of the moving averages
-constexpr auto pause_shown = std::chrono::seconds(3);  // after the collector's last word about it
+constexpr auto pause_shown = std::chrono::seconds(3);  // after the collector last reported it
 constexpr auto trouble_shown = std::chrono::seconds(20);
 
 LedgerOptions ledger_options(const experiment::Experiment& experiment, const CoordinatorOptions& options,
@@ -27,7 +27,7 @@ LedgerOptions ledger_options(const experiment::Experiment& experiment, const Coo
   ledger.heartbeat_timeout = options.heartbeat_timeout;
   ledger.unclaimed_timeout = options.unclaimed_timeout;
   ledger.order = options.order;
-  ledger.order_seed = first_grant;  // results must not depend on the order, so any will do
+  ledger.order_seed = first_grant;  // any seed: results must not depend on the order
   ledger.first_grant = first_grant;
   return ledger;
 }
@@ -66,7 +66,7 @@ void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
     case Namesakes::Verdict::alone:
       break;
     case Namesakes::Verdict::doubled:
-      spdlog::warn("{}", namesakes_.text(now));  // the status says so as long as it lasts
+      spdlog::warn("{}", namesakes_.text(now));  // the status repeats it as long as it lasts
       return hold_back(news);
     case Namesakes::Verdict::held_back:
       return hold_back(news);
@@ -96,7 +96,7 @@ void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
   for (const std::uint64_t lease : result.cancel) cancel(name, lease);
 }
 
-/// Its trials go to others, as if it had left: that is no loss which speaks against them.
+/// Its trials go to others, as if it had left, and without counting a loss.
 void Coordinator::hold_back(const WorkerNews& news) {
   WorkerReport farewell = news.report;
   farewell.capacity = 0;
@@ -228,7 +228,7 @@ std::string Coordinator::missing_agents(std::uint32_t condition, std::uint32_t t
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// Whom we wait for, or nothing.
+/// What the run waits for; empty if for nothing.
 std::string Coordinator::waiting_for(Clock::time_point now) const {
   if (std::string doubled = namesakes_.text(now); !doubled.empty()) return doubled;
   if (!collector_paused_.empty() && now - collector_paused_at_ < pause_shown) return collector_paused_;
@@ -283,7 +283,7 @@ void Coordinator::count_steps(const WorkerNews& news) {
   WorkerProgress& worker = at->second;
   if (worker.incarnation != news.report.incarnation) {
     worker.incarnation = news.report.incarnation;
-    worker.steps_done = news.steps_done;  // what it did before is not ours to count
+    worker.steps_done = news.steps_done;  // steps before its first report do not count here
   }
   if (news.steps_done > worker.steps_done) steps_.count += news.steps_done - worker.steps_done;
   worker.steps_done = news.steps_done;
@@ -298,7 +298,7 @@ void Coordinator::take_failures(const WorkerNews& news, Clock::time_point now) {
     const std::uint64_t leased_before = ledger_.count(TrialState::leased);
     ledger_.lease_failed(lease, reason);
     const auto trial = ledger_.trial_of(lease);
-    if (!trial || ledger_.count(TrialState::leased) == leased_before) continue;  // old news
+    if (!trial || ledger_.count(TrialState::leased) == leased_before) continue;  // reported before
     const bool for_good = ledger_.count(TrialState::failed) > failed_before;
     trouble(fmt::format("{} failed {}on worker {}: {}", trial_name(trial->first, trial->second),
                         for_good ? "for good " : "", news.report.name, reason),

@@ -20,20 +20,20 @@ struct CoordinatorOptions {
   Clock::duration unclaimed_timeout = std::chrono::seconds(5);
   /// A resumed run first listens this long for leases that are still being flown.
   Clock::duration adoption_time = std::chrono::seconds(1);
-  /// Silence after which the status says what is waited for.
+  /// Silence after which the status names what the run waits for.
   Clock::duration patience = std::chrono::seconds(4);
 };
 
-/// What a worker's status says, apart from the wire.
+/// A worker's status, independent of the wire types.
 struct WorkerNews {
   WorkerReport report;
   std::string host;
   std::uint32_t pid = 0;
   std::uint64_t steps_done = 0;                                      ///< since the worker started
-  std::uint32_t records_unconfirmed = 0;                             ///< finished flights that it still has to keep
+  std::uint32_t records_unconfirmed = 0;                             ///< finished flights, not known to be stored
   std::vector<std::string> flies_only;                               ///< agents; empty: all
   std::string_view waits_for;                                        ///< missing peers, as the worker names them
-  std::vector<std::pair<std::uint64_t, std::string>> failed_leases;  ///< with the reason; may come again and again
+  std::vector<std::pair<std::uint64_t, std::string>> failed_leases;  ///< with the reason; every status repeats them
 };
 
 /// To be sent to a worker: fly this trial, or (cancelled) forget it.
@@ -57,11 +57,11 @@ struct Progress {
   std::uint32_t workers_alive = 0;
   double flights_per_s = 0.0;  ///< means of the last seconds
   double steps_per_s = 0.0;
-  std::string message;  ///< whom we wait for, or the last trouble; empty if all is well
+  std::string message;  ///< what the run waits for, or the last trouble; empty if all is well
 };
 
-/// Runs one experiment over the workers that report: the ledger, names, and words for people. No bus; the clock is
-/// passed in.
+/// Runs one experiment on the workers that report: adds names and messages for people to the ledger. No bus; the clock
+/// is passed in.
 class Coordinator {
  public:
   Coordinator(const experiment::Experiment& experiment, const CoordinatorOptions& options, std::uint32_t first_grant,
@@ -77,19 +77,19 @@ class Coordinator {
   /// False if the experiment has no such flight.
   bool on_flight_stored(const experiment::FlightKey& flight, Clock::time_point now);
 
-  /// The collector cannot store for the moment; to be repeated as long as that is so. Empty: it can.
+  /// Why the collector cannot store at the moment, to be repeated as long as it cannot; empty if it can.
   void on_collector_paused(std::string why, Clock::time_point now);
-  /// Something that people should know, for the log and the status.
+  /// Reports a problem to people, in the log and in the status.
   void trouble(std::string what, Clock::time_point now);
 
-  /// Notices silent workers and hands out leases; what has to be sent.
+  /// Notices silent workers and grants leases; returns what has to be sent.
   [[nodiscard]] std::vector<Order> tick(Clock::time_point now);
 
   [[nodiscard]] Progress progress(Clock::time_point now) const;
   /// Every trial is done or failed, or too many failed (fail_fast).
   [[nodiscard]] bool over() const;
   [[nodiscard]] bool succeeded() const { return ledger_.finished() && ledger_.count(TrialState::failed) == 0; }
-  /// Flights that count as stored, and are not among the results: `is_there` has an entry per flight (number_of).
+  /// Flights that count as stored but are not among the results: `is_there` has an entry per flight (number_of).
   [[nodiscard]] std::vector<experiment::FlightKey> lost_flights(const std::vector<bool>& is_there) const;
   /// The flight's place in canonical order. The experiment must have it.
   [[nodiscard]] std::size_t number_of(const experiment::FlightKey& flight) const;
@@ -134,8 +134,8 @@ class Coordinator {
   std::uint64_t records_unconfirmed_ = 0;  // of all workers
   std::vector<Order> cancellations_;
   Clock::time_point grant_from_;
-  Clock::time_point worker_seen_;  // last time that one was alive
-  Clock::time_point stored_at_;    // last time that a flight was stored, or that none waited for it
+  Clock::time_point worker_seen_;  // when a worker last reported
+  Clock::time_point stored_at_;    // when a flight was last stored, or none waited to be stored
   std::string trouble_;
   Clock::time_point trouble_at_;
   std::vector<std::uint64_t> flights_missing_;  // by agent

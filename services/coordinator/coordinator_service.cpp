@@ -32,15 +32,15 @@ constexpr auto tick_time = 50ms;
 constexpr auto status_time = 500ms;
 constexpr auto status_time_on_change = 100ms;
 constexpr auto say_again_time = 10s;
-constexpr auto offer_again_time = 2s;             // the experiment, if it is small:
+constexpr auto offer_again_time = 2s;             // for a small experiment; a large one at this rate:
 constexpr double offer_again_bytes_per_s = 50e3;  // to each process
 constexpr auto farewell_time = 1s;                // for the last message to arrive
-constexpr auto absence_time = 5s;                 // for the absent to come back and hear it, too
-constexpr auto absent_patience = 10s;             // whoever is silent for longer is not waited for
+constexpr auto absence_time = 5s;                 // for absent processes to come back and receive it, too
+constexpr auto absent_patience = 10s;             // a process that is silent for longer is not waited for
 constexpr auto database_time = 10s;               // for the collector to make the database
 constexpr auto reread_delay = 1s;                 // until both sides of a new connection know each other
 constexpr auto rival_time = 500ms;                // between two answers to another coordinator
-constexpr auto count_time = 10s;                  // for a collector on another host to say how much it has stored
+constexpr auto count_time = 10s;                  // for a collector on another host to report how much it has stored
 constexpr std::uint32_t reread_flights = 5000;    // at a time: some 20 ms
 constexpr std::size_t failures_told = 20;
 constexpr std::size_t lost_named = 10;
@@ -66,11 +66,11 @@ class Conversation {
     waiter_.add(stored_);
     waiter_.add(collector_);
     waiter_.add(sole_.reader());
-    // Until then, not a word: it would be taken for the first coordinator's.
+    // Nothing is sent before: receivers would take it for the first coordinator's.
     is_sole_ = sole_.take(claim_, std::chrono::ceil<std::chrono::milliseconds>(options.look_around),
                           [this] { return stop_.requested(); });
     if (!is_sole_) return;
-    // Only now, with the readers in place: what is stored while we read comes over the bus.
+    // Only now, with the readers in place: what is stored while we read is reported over the bus.
     std::size_t resumed = 0;
     if (const store::ResultStore* database = results_.open(patience()))
       database->for_each_flight(
@@ -100,7 +100,7 @@ class Conversation {
   }
 
  private:
-  /// For a database in the making.
+  /// How long to wait for a database that is being made.
   [[nodiscard]] std::function<bool()> patience() {
     return [this, give_up = Clock::now() + database_time] {
       waiter_.wait(100ms);
@@ -117,16 +117,16 @@ class Conversation {
     reread_database(now);
   }
 
-  /// Somebody else coordinates this run, and neither of us heard the other when it started.
+  /// Another coordinator runs, and neither had received anything from the other when it started.
   void meet(const ProcessName& other, Clock::time_point now) {
     if (!runtime::SoleCoordinator::is_first(this_process(), other)) throw InputError(sole_.refusal(other));
     coordinator_.trouble(
         fmt::format("{} wants to coordinate this run, too; it has to end", to_text(other, "aloft-coordinator")), now);
-    offer_at_ = std::min(offer_at_, now + rival_time);  // so that it hears us, and others follow us again
+    offer_at_ = std::min(offer_at_, now + rival_time);  // so that it notices us, and other processes follow us again
   }
 
-  /// Anybody can say that a flight is stored. It is when it lies in the database; on another host, when the run's own
-  /// collector says so.
+  /// Any process can claim that a flight is stored. It counts if it is in the database or, where that is on another
+  /// host, if the run's own collector confirms it.
   void on_stored(const wire::EpisodeStored& stored, Clock::time_point now) {
     const experiment::FlightKey flight{stored.condition(), stored.trial(), std::string(wire::view(stored.agent()))};
     if (!coordinator_.knows(flight)) return stored_.drop("the experiment has no such flight");
@@ -205,8 +205,8 @@ class Conversation {
     controls_.write(control);
   }
 
-  /// Who starts late gets what was said last, but in a run without keys a stranger may say something, too, and push it
-  /// out of the newcomer's memory. Whoever does not know the experiment cannot say so: it is offered again and again.
+  /// A process that starts late receives the last message, but in a run without keys a foreign process can send one,
+  /// too, and push ours out of the reader's history. Processes cannot ask for the experiment, so it is repeated.
   void offer_again(Clock::time_point now) {
     if (now < offer_at_) return;
     say(wire::RUN_RUNNING);
@@ -228,13 +228,13 @@ class Conversation {
     coordinator_.on_collector_paused(paused ? "aloft-metrics: " + message : "", now);
   }
 
-  /// True if this is the run's own collector. Others are told to end.
+  /// True if this is the run's own collector; every other one is refused.
   [[nodiscard]] bool meet_collector(const wire::CollectorStatus& status, Clock::time_point now) {
     const OwnCollector::News news{bus::from_wire(status.collector()), plain_text(wire::view(status.results())),
                                   status.flights_stored()};
     const bool known = own_collector_.is_own(news.process);
     const auto folder = known ? OwnCollector::Folder() : results_.look();
-    if (!folder) return false;  // it will speak again
+    if (!folder) return false;  // its next status will do
     switch (own_collector_.hear(news, *folder, now)) {
       case OwnCollector::Verdict::own:
         return true;
@@ -258,7 +258,7 @@ class Conversation {
     return false;
   }
 
-  /// Nobody hears of success before every flight has been seen among the results.
+  /// Success is reported only after every flight has been found among the results.
   void compare_with_results() {
     try {
       if (const store::ResultStore* database = results_.open(patience()))
@@ -287,7 +287,7 @@ class Conversation {
                              options_.results.string(), lost.text(experiment_));
   }
 
-  /// A database that this host cannot read.
+  /// For a database that this host cannot read: its collector counts the flights.
   void await_count() {
     const auto stored = [this] { return own_collector_.own() ? own_collector_.own()->flights_stored : 0; };
     const std::uint64_t expected = coordinator_.progress(Clock::now()).flights_stored;
@@ -302,7 +302,7 @@ class Conversation {
                                stored(), expected);
   }
 
-  /// Tells everyone how it ended; throws if that was not well.
+  /// Tells all processes how the run ended; throws if it failed.
   void finish(wire::RunState state) {
     say(state);
     std::vector<std::string> failures = coordinator_.failure_report();
@@ -312,7 +312,7 @@ class Conversation {
     write_status(state, coordinator_.progress(Clock::now()), fmt::format("{}", fmt::join(failures, "\n")));
     wait_for_absent();
     const auto until = Clock::now() + farewell_time;
-    if (!controls_.wait_acknowledged(farewell_time)) spdlog::warn("not everyone has heard that the run is over");
+    if (!controls_.wait_acknowledged(farewell_time)) spdlog::warn("some processes have not confirmed the end");
     statuses_.wait_acknowledged(
         std::chrono::ceil<std::chrono::milliseconds>(std::max(until - Clock::now(), Clock::duration(1ms))));
     if (state != wire::RUN_FAILED) return;
@@ -322,8 +322,8 @@ class Conversation {
                                          progress.flights_total, progress.trials_failed));
   }
 
-  /// Of the end of a run its last words tell, and they reach only those whom we know: who was lost a moment ago would
-  /// wait for a coordinator that is no more.
+  /// The end of a run is sent once, and reaches only processes that are connected: one that was lost a moment ago would
+  /// wait for a coordinator that has ended.
   void wait_for_absent() {
     const auto until = Clock::now() + absence_time;
     for (bool told = false; !stop_.requested() && Clock::now() < until; std::this_thread::sleep_for(tick_time)) {

@@ -12,8 +12,8 @@ struct ServiceOptions {
   std::filesystem::path experiment;  ///< canonical JSON
   std::filesystem::path results;     ///< folder of results.sqlite
   CoordinatorOptions coordinator;
-  double give_up_after_s = 0.0;  ///< without any worker; 0: wait for ever, and say so
-  /// Before the start, for another coordinator of the run on another machine.
+  double give_up_after_s = 0.0;  ///< without any worker; 0: wait without end, and report it
+  /// How long to listen, before the start, for a coordinator of the same run on another machine.
   Clock::duration look_around = std::chrono::milliseconds(500);
 };
 

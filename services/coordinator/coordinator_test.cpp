@@ -136,7 +136,7 @@ TEST_CASE("failures are named with their reason and reported at the end", "[coor
   if (options.fail_fast == 0) CHECK(coordinator.progress(start).trials_done == 3);
 }
 
-TEST_CASE("the status names whom the run waits for", "[coordinator]") {
+TEST_CASE("the status names what the run waits for", "[coordinator]") {
   const auto experiment = small_experiment();
   Coordinator coordinator(experiment, {}, 0, start);
   CHECK(coordinator.progress(start + 3s).message.empty());
@@ -182,7 +182,7 @@ TEST_CASE("rates follow the flights and steps of the last seconds", "[coordinato
   Coordinator coordinator(experiment, {}, 0, start);
   std::vector<std::uint64_t> leases;
   WorkerNews report = news("w0", leases, 1);
-  report.steps_done = 1'000'000;  // before our time
+  report.steps_done = 1'000'000;  // before this coordinator started
   coordinator.on_worker(report, start);
   for (std::uint32_t second = 1; second <= 60; ++second) {
     report.steps_done += 500;
@@ -230,12 +230,12 @@ TEST_CASE("two workers of one name cost no attempts; their trials go to others u
   REQUIRE(orders.size() == 2);
   for (const Order& order : orders) {
     CHECK_FALSE(order.cancelled);
-    CHECK(order.attempt <= 2);  // the one that came second was taken for the other's successor
+    CHECK(order.attempt <= 2);  // the second one was taken for a restart of the first
   }
   CHECK(coordinator.progress(end).message.find("called w0") == std::string::npos);
 }
 
-TEST_CASE("flights that count as stored and are not among the results are found", "[coordinator]") {
+TEST_CASE("flights that count as stored but are not among the results are found", "[coordinator]") {
   const auto experiment = small_experiment();
   Coordinator coordinator(experiment, {}, 0, start);
   coordinator.on_flight_stored({0, 1, "min-height"}, start);
@@ -243,7 +243,7 @@ TEST_CASE("flights that count as stored and are not among the results are found"
   std::vector<bool> is_there(8, false);
   CHECK(coordinator.number_of({1, 0, "dqn"}) == 5);
   is_there[5] = true;
-  is_there[7] = true;  // nobody told us yet
+  is_there[7] = true;  // the coordinator does not know of it yet
   CHECK(coordinator.lost_flights(is_there) == std::vector<experiment::FlightKey>{{0, 1, "min-height"}});
   is_there[2] = true;
   CHECK(coordinator.lost_flights(is_there).empty());

@@ -47,14 +47,14 @@ FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, co
 FolderLock::~FolderLock() {
   std::error_code ignored;
   if (fd_ >= 0) {
-    std::filesystem::remove(file_, ignored);  // while it is locked: nobody else can have taken it
+    std::filesystem::remove(file_, ignored);  // while it is locked: no other process can have taken it
     ::close(fd_);
   }
   if (made_folder_) ::rmdir(folder_.c_str());  // if there is nothing in it
 }
 
-/// False if another process has it. The file may be removed by its last holder just before we lock it (and the folder,
-/// if that is empty), so that what we lock is no longer what others would find: then once more.
+/// False if another process has it. Its last holder can remove the file (and the folder, if that is empty) just before
+/// we lock it; what we locked is then not what others find, and we try again.
 bool FolderLock::take() {
   for (;;) {
     std::error_code failed;
@@ -86,7 +86,7 @@ std::string FolderLock::holder() const {
   std::string text;
   try {
     text = read_file(file_, longest_holder_bytes);
-  } catch (const InputError&) {  // it is gone by now, or nobody's who says so
+  } catch (const InputError&) {  // it is gone by now, or its holder wrote no name
   }
   const std::string line = text.substr(0, text.find('\n'));
   return line.empty() ? "another process" : plain_text(line);

@@ -12,16 +12,16 @@ namespace aloft::coordinator {
 /// How long a coordinator waits for another one to give a folder back.
 struct LockPatience {
   std::chrono::milliseconds here{2'000};  ///< a process of this machine that is just ending
-  /// A process of another machine: if that has died, a network file system notices it only after a while.
+  /// A process of another machine: a network file system notices only after a while that it has died.
   std::chrono::milliseconds elsewhere{120'000};
 };
 
-/// One coordinator at a time works with a result folder. A file in the folder is locked and says who it is; it is gone
-/// when the lock is given back, and free as soon as its process is dead.
+/// One coordinator at a time works with a result folder. It locks a file in the folder that names it; the file is
+/// removed when the lock is given back, and the lock is free as soon as the process is dead.
 class FolderLock {
  public:
-  /// Waits for another coordinator that is ending, but no longer than until `stopped`. InputError, naming the other
-  /// one, if it stays; where files cannot be written or locked, nobody is refused.
+  /// Waits for another coordinator that is ending, but not beyond `stopped`. InputError, naming the other one, if it
+  /// stays. Where files cannot be written or locked, every coordinator gets the lock.
   FolderLock(
       std::filesystem::path folder, const ProcessName& self, const LockPatience& patience = {},
       const std::function<bool()>& stopped = [] { return false; });

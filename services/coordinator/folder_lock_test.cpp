@@ -44,7 +44,7 @@ const LockPatience none{0ms, 0ms};
 
 }  // namespace
 
-TEST_CASE("a folder has one coordinator, and the second is told who it is") {
+TEST_CASE("a folder has one coordinator, and the second one's error names it") {
   const Folder folder;
   {
     const FolderLock first(folder / "out", alpha, none);
@@ -53,11 +53,11 @@ TEST_CASE("a folder has one coordinator, and the second is told who it is") {
         Contains("has a coordinator already: aloft-coordinator on host alpha (process 5217, since 2026-"));
     CHECK_NOTHROW(FolderLock(folder / "other", beta, none));
   }
-  CHECK_FALSE(fs::exists(folder / "out"));  // which the lock had made, and nobody used
+  CHECK_FALSE(fs::exists(folder / "out"));  // the lock had made it, and it stayed empty
   CHECK_NOTHROW(FolderLock(folder / "out", beta, none));
 }
 
-TEST_CASE("a lock that is no file names nobody, and holds nobody up") {
+TEST_CASE("a lock that is no file names no holder, and delays no coordinator") {
   const Folder folder;
   fs::create_directory(folder / "out");
   REQUIRE(mkfifo((folder / "out" / "coordinator.lock").c_str(), 0600) == 0);
@@ -74,7 +74,7 @@ TEST_CASE("a lock leaves nothing of its own in a folder with results") {
   CHECK_FALSE(fs::exists(folder / "out" / "coordinator.lock"));
 }
 
-TEST_CASE("a coordinator on another machine may be dead, and its lock last a while") {
+TEST_CASE("the lock of a dead coordinator on another machine is waited for") {
   const Folder folder;
   auto first = std::make_unique<FolderLock>(folder / "out", alpha, none);
   CHECK_THROWS_WITH(FolderLock(folder / "out", far, {0ms, 60ms}), Contains("on host alpha (process 5217"));
@@ -87,7 +87,7 @@ TEST_CASE("a coordinator on another machine may be dead, and its lock last a whi
   CHECK(asked == 3);
 }
 
-TEST_CASE("a coordinator that was killed locks nobody out") {
+TEST_CASE("a coordinator that was killed leaves no lock behind") {
   const Folder folder;
   int ready[2];
   REQUIRE(pipe(ready) == 0);

@@ -65,7 +65,7 @@ bool LeaseLedger::flight_stored(std::uint32_t condition, std::uint32_t trial, st
   ++flights_stored_;
   Slot& slot = slots_[at];
   if (--slot.missing > 0) {
-    if (slot.state == TrialState::leased && !has_work_for(slot.worker, at)) {  // the rest is for another worker
+    if (slot.state == TrialState::leased && !has_work_for(slot.worker, at)) {  // another worker flies the rest
       erase_lease(at);
       set_state(at, TrialState::pending);
       enqueue(at, Queue::retry);
@@ -121,8 +121,8 @@ HeartbeatResult LeaseLedger::heartbeat(const WorkerReport& report, Clock::time_p
   return result;
 }
 
-/// Is this lease the worker's, or can it become so? A lease id names its trial, so a coordinator that has just started
-/// recognises what is in the air.
+/// True if the worker holds this lease, or can adopt it: a lease id names its trial, so a coordinator that has just
+/// started recognises flights in the air.
 bool LeaseLedger::claim(std::uint32_t worker, std::uint64_t lease, Clock::time_point now, HeartbeatResult& result) {
   std::vector<LiveLease>& leases = workers_[worker].leases;
   const auto live =
@@ -204,8 +204,8 @@ std::uint32_t LeaseLedger::seek_trial_for(std::uint32_t worker) noexcept {
   return fresh == none ? first_retry : fresh;
 }
 
-/// The first trial in the queue with an agent that the worker flies. Those before it go to the end, so that all are
-/// looked at in the end, although never many at a time.
+/// The first trial in the queue with an agent that the worker flies. Trials before it go to the end of the queue, so
+/// that repeated calls look at all of them, each call at a bounded number.
 std::uint32_t LeaseLedger::rotate_to_first_for(std::uint32_t worker, IndexList& queue) noexcept {
   for (int looked_at = 0; !queue.empty() && looked_at < trials_looked_at; ++looked_at) {
     const std::uint32_t trial = queue.front();
@@ -327,7 +327,7 @@ void LeaseLedger::remove_worker(std::uint32_t worker) {
   free_workers_.push_back(worker);
 }
 
-/// Leaving is no loss that speaks against a trial.
+/// A worker that leaves in good order counts as no loss of its trials.
 void LeaseLedger::leave(std::uint32_t worker, HeartbeatResult& result) {
   result.left = true;
   for (const LiveLease& lease : workers_[worker].leases) result.lost.push_back(lease.id);
@@ -339,7 +339,7 @@ void LeaseLedger::leave(std::uint32_t worker, HeartbeatResult& result) {
   remove_worker(worker);
 }
 
-/// After a change of capacity or leases: a worker with room stands in the queue of those, others do not.
+/// To be called after a change of capacity or leases: hungry_ holds exactly the workers with free capacity.
 void LeaseLedger::update_hungry(std::uint32_t worker) {
   Worker& self = workers_[worker];
   const bool has_room = self.leases.size() < self.capacity;

@@ -17,7 +17,7 @@ namespace aloft::coordinator {
 
 using Clock = std::chrono::steady_clock;
 
-/// pending -> leased -> done is the good way. A lease whose worker went silent makes the trial lost until it is leased
+/// Without trouble, pending -> leased -> done. A lease whose worker went silent makes the trial lost until it is leased
 /// again; a lease that failed makes it pending again, or failed after the last attempt.
 enum class TrialState : std::uint8_t { pending, leased, done, failed, lost };
 inline constexpr std::size_t trial_states = 5;
@@ -30,7 +30,7 @@ struct LedgerOptions {
   std::uint32_t trials = 1;        ///< per condition
   std::uint32_t agents = 1;        ///< flights per trial, 1..4096
   std::uint32_t max_attempts = 3;  ///< a trial fails for good at its max_attempts-th failed lease; 1..255
-  /// A trial fails for good when this many workers vanished under it: it probably kills them. 1..255
+  /// A trial fails for good when this many workers were lost while they flew it: it probably kills them. 1..255
   std::uint32_t max_losses = 25;
   Clock::duration heartbeat_timeout = std::chrono::seconds(3);
   /// A lease that its worker does not list in its heartbeats for this long is lost: the assignment never arrived, or
@@ -46,12 +46,12 @@ struct LedgerOptions {
   std::uint32_t first_grant = 0;
 };
 
-/// What a worker says about itself.
+/// What a worker reports about itself.
 struct WorkerReport {
   std::string_view name;
   std::uint64_t incarnation = 0;  ///< changes when the worker restarts (its process id)
   std::uint32_t capacity = 0;     ///< trials it wants at a time, at most max_capacity are given; 0: it leaves for good
-  std::span<const std::uint64_t> leases;  ///< that it holds
+  std::span<const std::uint64_t> leases;  ///< held by the worker
   std::vector<bool> flies{};              ///< by agent; empty: all
 };
 
@@ -86,8 +86,8 @@ struct Failure {
   std::string reason;
 };
 
-/// Who flies what, without clock, files or bus. Every event costs O(1) (a heartbeat: O(leases of that worker)), a trial
-/// 20 bytes plus one bit per flight. Every event may come twice, late or for a worker that is gone.
+/// Which worker flies which trial, without clock, files or bus. Every event costs O(1) (a heartbeat: O(leases of that
+/// worker)), a trial 20 bytes plus one bit per flight. Every event can arrive twice, late or for a worker that is gone.
 class LeaseLedger {
  public:
   static constexpr std::uint32_t max_capacity = 64;
@@ -96,16 +96,16 @@ class LeaseLedger {
   /// std::invalid_argument if an option is out of range.
   explicit LeaseLedger(const LedgerOptions& options);
 
-  /// A flight is in the database, now or since an earlier run. False if that was known.
+  /// Notes that a flight is in the database, now or since an earlier run. False if that was known.
   bool flight_stored(std::uint32_t condition, std::uint32_t trial, std::uint32_t agent);
 
   /// std::invalid_argument if `flies` is neither empty nor one entry per agent.
   HeartbeatResult heartbeat(const WorkerReport& report, Clock::time_point now);
 
-  /// The worker gave the trial up. Ignored unless the lease is live.
+  /// Notes that the worker gave the trial up. Ignored unless the lease is live.
   void lease_failed(std::uint64_t lease, std::string_view reason);
 
-  /// Workers that have been silent for too long, with the leases that return to the queue.
+  /// Removes workers that have been silent for too long; returns them with the leases that return to the queue.
   std::vector<LostWorker> expire(Clock::time_point now);
 
   /// The next lease for some worker with free capacity, in turn; false if there is no such worker or no such trial.
@@ -136,7 +136,7 @@ class LeaseLedger {
   enum class Queue : std::uint8_t { nowhere, fresh, retry };
 
   struct Slot {
-    std::uint32_t worker = none;  // who holds it or held it last; only a preference once the lease is over
+    std::uint32_t worker = none;  // that holds it or held it last; then other workers are preferred
     std::uint16_t missing = 0;    // flights
     TrialState state = TrialState::pending;
     Queue queue = Queue::nowhere;
@@ -164,7 +164,7 @@ class LeaseLedger {
   [[nodiscard]] static std::uint32_t trial_index(std::uint64_t lease) noexcept {
     return static_cast<std::uint32_t>(lease >> 32U);
   }
-  /// In the same lineage; none at its ends.
+  /// The trial before or after in the same lineage; none at its ends.
   [[nodiscard]] std::uint32_t predecessor(std::uint32_t trial_index) const noexcept;
   [[nodiscard]] std::uint32_t successor(std::uint32_t trial_index) const noexcept;
 

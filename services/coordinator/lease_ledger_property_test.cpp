@@ -211,7 +211,7 @@ TEST_CASE("nothing is lost or doubled, and it ends, whatever happens", "[ledger]
   }));
 }
 
-TEST_CASE("without failing flights everything is stored, whoever dies", "[ledger][property]") {
+TEST_CASE("without failing flights everything is stored, whichever process dies", "[ledger][property]") {
   std::uint64_t duplicates = 0;
   CHECK(rc::check("enough attempts", [&] {
     Setup setup = arbitrary_setup();
@@ -222,5 +222,5 @@ TEST_CASE("without failing flights everything is stored, whoever dies", "[ledger
     duplicates += simulation.duplicates();
     RC_ASSERT(simulation.complete());
   }));
-  CHECK(duplicates > 0);  // else the simulation is too tame to show anything
+  CHECK(duplicates > 0);  // else the simulation never repeated a message
 }

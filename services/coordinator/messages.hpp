@@ -5,13 +5,13 @@
 #include "common/bus/wire.hpp"
 #include "services/coordinator/coordinator.hpp"
 
-/// Between what is on the wire and what a coordinator knows.
+/// Conversions between the wire types and those of the coordinator.
 namespace aloft::coordinator {
 
 [[nodiscard]] wire::TrialAssignment to_wire(const Order& order, const std::string& experiment_id);
-/// Without state and message, which are not always those of the progress.
+/// Leaves state and message to the caller.
 [[nodiscard]] wire::RunStatus to_wire(const Progress& progress, const std::string& experiment_id);
-/// `status` must outlive it.
+/// `status` must outlive the result.
 [[nodiscard]] WorkerNews news_of(const wire::WorkerStatus& status);
 
 }  // namespace aloft::coordinator

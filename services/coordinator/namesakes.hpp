@@ -9,13 +9,13 @@
 
 namespace aloft::coordinator {
 
-/// Workers that have the same name. They work in one partition, so each of them takes what is meant for the other: none
-/// of them may fly until the others are gone. A worker that was restarted is no namesake: the process that it replaces
-/// is not heard again. No bus; the clock is passed in.
+/// Finds workers that have the same name. They work in one partition, so each of them receives messages that are meant
+/// for the other: none of them may fly until the others are gone. A worker that was restarted is no namesake, because
+/// the process that it replaces sends nothing any more. No bus; the clock is passed in.
 class Namesakes {
  public:
   using Clock = std::chrono::steady_clock;
-  /// Whoever is silent for this long is gone.
+  /// A worker that is silent for longer is gone.
   static constexpr std::chrono::seconds silence{3};
 
   struct Voice {
@@ -25,10 +25,10 @@ class Namesakes {
     Clock::time_point heard;
   };
   enum class Verdict : std::uint8_t {
-    alone,      ///< as it should be
-    doubled,    ///< since this moment several speak under this name
-    held_back,  ///< they still do
-    other_left  ///< this one leaves, and another one of its name stays
+    alone,      ///< one process has this name
+    doubled,    ///< from now on, several processes have this name
+    held_back,  ///< several processes still have it
+    other_left  ///< this process leaves, and another one of its name stays
   };
 
   Verdict hear(std::string_view worker, const Voice& voice, bool leaves);
@@ -38,8 +38,8 @@ class Namesakes {
 
  private:
   struct Name {
-    std::vector<Voice> voices;  // those that were heard lately
-    std::uint64_t last = 0;     // incarnation that spoke last
+    std::vector<Voice> voices;  // processes that have reported lately
+    std::uint64_t last = 0;     // incarnation that reported last
     bool doubled = false;
   };
   std::map<std::string, Name, std::less<>> names_;

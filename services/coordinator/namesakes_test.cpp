@@ -40,7 +40,7 @@ TEST_CASE("two workers of one name are held back and named, until one of them is
         "2 workers are called w0: on host alpha (process 12) and on host beta (process 34); none of them gets trials "
         "until the others end");
   CHECK(names.hear("w1", beta(1s), false) == Verdict::alone);
-  SECTION("because it leaves, and was the last to speak") {
+  SECTION("because it leaves, and was the last to report") {
     CHECK(names.hear("w0", beta(1050ms), false) == Verdict::held_back);
     CHECK(names.hear("w0", beta(1100ms), true) == Verdict::other_left);
     CHECK(names.hear("w0", alpha(1200ms), false) == Verdict::alone);
@@ -55,7 +55,7 @@ TEST_CASE("two workers of one name are held back and named, until one of them is
 TEST_CASE("a worker that leaves is gone, and does not take a namesake with it") {
   Namesakes names;
   CHECK(names.hear("w0", alpha(0s), false) == Verdict::alone);
-  CHECK(names.hear("w0", beta(100ms), false) == Verdict::alone);  // it replaces alpha, which says goodbye late
+  CHECK(names.hear("w0", beta(100ms), false) == Verdict::alone);  // it replaces alpha, whose farewell comes late
   CHECK(names.hear("w0", alpha(200ms), true) == Verdict::other_left);
   CHECK(names.hear("w0", beta(300ms), true) == Verdict::alone);
   CHECK(names.hear("w0", alpha(400ms), false) == Verdict::alone);

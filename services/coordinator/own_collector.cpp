@@ -23,7 +23,7 @@ OwnCollector::Verdict OwnCollector::hear(const News& news, const Folder& folder,
 
 bool OwnCollector::becomes_own(const News& news, const Folder& folder) const {
   if (folder.has_database) return folder.signer && folder.signer->incarnation == news.process.incarnation;
-  if (news.process.host == host_) return false;  // it has a database on this machine, and it is not in our folder
+  if (news.process.host == host_) return false;  // its database is on this machine, and not in our folder
   return !own_ || (own_->process.host == news.process.host && own_->results == news.results);
 }
 

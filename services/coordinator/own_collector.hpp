@@ -11,17 +11,17 @@
 
 namespace aloft::coordinator {
 
-/// Which collector is the run's own: whoever has signed the database in the coordinator's result folder. Where there is
-/// none to be read, because the collector works on another host, it is the first that is heard, and then whoever goes
-/// on with its folder. All others are refused. No bus, no files; the clock is passed in.
+/// Which collector is the run's own: the one that has signed the database in the coordinator's result folder. If there
+/// is no database to read, because the collector works on another host, it is the first collector that reports, and
+/// later one that continues its folder. All others are refused. No bus, no files; the clock is passed in.
 class OwnCollector {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t refusals_kept = limits::refused_collectors;
-  /// Nobody is refused earlier: until then, the coordinator may itself be the one too many.
+  /// No collector is refused earlier: until then, this coordinator may itself be the second one of the run.
   static constexpr std::chrono::seconds settling_time{2};
 
-  /// What a collector says about itself.
+  /// What a collector reports about itself.
   struct News {
     ProcessName process;
     std::string results;  ///< its folder
@@ -34,9 +34,9 @@ class OwnCollector {
   };
   enum class Verdict : std::uint8_t {
     own,          ///< as before
-    now_own,      ///< since this moment
-    foreign,      ///< not to be listened to
-    now_refused,  ///< the same, and it has to be told
+    now_own,      ///< from now on
+    foreign,      ///< another collector, to be ignored
+    now_refused,  ///< another collector, which has to be told that it is refused
   };
 
   OwnCollector(std::string host, Clock::time_point now) : host_(std::move(host)), start_(now) {}
@@ -44,12 +44,12 @@ class OwnCollector {
   [[nodiscard]] bool is_own(const ProcessName& process) const noexcept {
     return own_ && own_->process.incarnation == process.incarnation;
   }
-  /// `folder` is looked at only if the collector is not known to be the run's own.
+  /// `folder` is used only if the collector is not known to be the run's own.
   Verdict hear(const News& news, const Folder& folder, Clock::time_point now);
 
-  /// None until it is known.
+  /// None until the run's own collector is known.
   [[nodiscard]] const std::optional<News>& own() const noexcept { return own_; }
-  /// Incarnations, the oldest first.
+  /// Incarnations of refused collectors, oldest first.
   [[nodiscard]] const std::vector<std::uint64_t>& refused() const noexcept { return refused_; }
 
  private:

@@ -50,14 +50,14 @@ TEST_CASE("a collector that was restarted on the same database is let in; the se
   CHECK(collectors.hear(news(7), signed_by(8), start + 11s) == Verdict::now_refused);  // it should be dead
 }
 
-TEST_CASE("a database that nobody has signed, or none on this machine, makes nobody the run's own") {
+TEST_CASE("without a signed database, no collector of this machine becomes the run's own") {
   OwnCollector collectors("here", start);
   CHECK(collectors.hear(news(5), {true, std::nullopt}, start + 5s) == Verdict::now_refused);
   CHECK(collectors.hear(news(6, "here", "/other"), no_database, start + 5s) == Verdict::now_refused);
   CHECK_FALSE(collectors.own());
 }
 
-TEST_CASE("of collectors on another host the first is the run's own, and who goes on with its folder") {
+TEST_CASE("on another host, the first collector is the run's own, and later one that continues its folder") {
   OwnCollector collectors("here", start);
   CHECK(collectors.hear(news(5, "there", "/a"), no_database, start) == Verdict::now_own);
   CHECK(collectors.hear(news(6, "there", "/b"), no_database, start + 5s) == Verdict::now_refused);

@@ -41,11 +41,11 @@ struct CollectorOptions {
   std::size_t queue_bytes = 64U << 20U;        ///< beyond this, records are left to be sent again
 };
 
-/// Checks records, stores them in batches and says what may be acknowledged. No bus: the caller brings records and the
-/// time. Nothing is acknowledged before it is durable; what is not acknowledged will be sent again.
+/// Checks records, stores them in batches and returns what can be acknowledged. No bus: the caller brings records and
+/// the time. Nothing is acknowledged before it is durable; what is not acknowledged will be sent again.
 class Collector {
  public:
-  /// Adds these flights durably, all or none; says of each whether it was new. Throws what ResultStore throws.
+  /// Adds these flights durably, all or none; returns for each whether it was new. Throws what ResultStore throws.
   using Commit = std::function<std::vector<store::Stored>(const std::vector<Record>&)>;
 
   Collector(const experiment::Experiment& experiment, Commit commit, Instruments& instruments,
@@ -59,7 +59,7 @@ class Collector {
   /// store::ResultsGone if it is no longer where it was.
   std::vector<Acknowledgement> commit_due(Clock::time_point now, bool flush = false);
 
-  /// When commit_due has something to do; none while the queue is empty.
+  /// When commit_due() will have something to do; none while the queue is empty.
   [[nodiscard]] std::optional<Clock::time_point> next_due() const;
 
   /// Why nothing can be stored at the moment; empty if all is well.

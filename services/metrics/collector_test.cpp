@@ -103,7 +103,7 @@ TEST_CASE_METHOD(Fixture, "records are committed 50 ms after the first, or 64 at
              Catch::Contains("aloft_flights_stored_total 66\n") && Catch::Contains("aloft_steps_stored_total 198\n"));
 }
 
-TEST_CASE_METHOD(Fixture, "memory comes with the flights of agents that remember, and with no others", "[collector]") {
+TEST_CASE_METHOD(Fixture, "only the flights of agents that remember earlier flights have a memory", "[collector]") {
   experiment.agents.push_back(agents::parse_agents({{"type", "dqn"}, {"memory", "lifelong"}}, "agents[2]").at(0));
   Record flight = record(0);
   flight.memory = "memory";

@@ -42,7 +42,7 @@ constexpr std::size_t buffer_bytes = 16384;
 constexpr std::chrono::milliseconds accept_again_time{100};  // no descriptor was left
 constexpr std::chrono::milliseconds farewell_time{1000};
 
-/// "name:port", "[::1]:port" or without the port, which a tunnel may change.
+/// The name in "name:port" or "[::1]:port"; the port does not count, because a tunnel can change it.
 std::string_view without_port(std::string_view host) {
   if (host.starts_with('[')) {
     const std::size_t end = host.find(']');
@@ -60,7 +60,7 @@ class HostNames {
     if (any_address_) names_.push_back(this_process().host);
   }
 
-  /// What is wrong with the Host of this request, or nothing. Programs that speak HTTP/1.0 name none; browsers do.
+  /// What is wrong with the Host of this request, or nothing. HTTP/1.0 clients need not send one; browsers do.
   [[nodiscard]] std::optional<Response> refusal(const Request& request) const {
     const auto count = request.count(http::field::host);
     if (count == 0 && request.version() < 11) return std::nullopt;
@@ -91,7 +91,7 @@ class HostNames {
   std::vector<std::string> names_;
 };
 
-/// For a request that cannot be read; none: its sender has left, or is too slow.
+/// The answer to a request that cannot be read; none if its sender has left or is too slow.
 std::optional<Response> refusal_of(const error_code& error) {
   Response response;
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
@@ -150,7 +150,7 @@ struct HttpServer::State {
   net::io_context io{1};
   net::thread_pool workshop{1};  // makes the answers that are not quick
   tcp::acceptor acceptor{io};
-  Connections connections;  // who moved last is at the back
+  Connections connections;  // the least recently active one is at the front
   std::size_t waiting_answers = 0;
   std::thread thread;
 };
@@ -165,7 +165,7 @@ net::awaitable<void> HttpServer::State::accept_all() {
       co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
       continue;
     }
-    // Those that are closed already still wait for their answer from the workshop.
+    // Connections that are closed already still wait for their answer from the workshop.
     const auto oldest = std::find_if(connections.begin(), connections.end(),
                                      [](beast::tcp_stream& stream) { return stream.socket().is_open(); });
     if (connections.size() >= limits.connections && oldest != connections.end()) oldest->close();
@@ -192,7 +192,7 @@ net::awaitable<void> HttpServer::State::converse(Connections::iterator client) {
     client->expires_after(limits.time);
     co_await http::async_write(*client, *response, net::redirect_error(net::use_awaitable, error));
   }
-  // What is left unread would break the connection before the answer is taken.
+  // Unread input would reset the connection before the client has read the answer.
   client->expires_after(std::min(limits.time, farewell_time));
   error_code ended;
   client->socket().shutdown(tcp::socket::shutdown_send, ended);

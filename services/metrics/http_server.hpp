@@ -18,13 +18,13 @@ struct HttpResponse {
 
 struct HttpRoute {
   std::function<HttpResponse()> answer;
-  /// Waits for nothing: answered by the thread that keeps the connections, whatever the other routes are doing.
+  /// Never blocks: answered by the thread that keeps the connections, whatever the other routes are doing.
   bool quick = false;
 };
 
-/// What one client can take from the others.
+/// Bounds on what clients can use up.
 struct HttpLimits {
-  std::size_t connections = 128;         ///< one more closes the one that has not moved for longest
+  std::size_t connections = 128;         ///< one more closes the least recently active one
   std::chrono::milliseconds time{5000};  ///< for a request to come in whole, and for its answer to be taken
   std::size_t waiting_answers = 32;      ///< of routes that are not quick; beyond: 503
 };
@@ -34,7 +34,7 @@ struct HttpLimits {
 class HttpServer {
  public:
   /// Listens on an IPv4 address of this machine. Port 0 takes a free one. InputError if the port cannot be had.
-  /// A browser that was led here under a foreign name (DNS rebinding) is refused: a request must be addressed to
+  /// Against DNS rebinding, where a browser is led here under a foreign name, a request must be addressed to
   /// localhost, to a loopback address, to one of `names` or, if `address` is no loopback address, to any IP address or
   /// the name of this machine.
   HttpServer(const std::string& address, int port, std::map<std::string, HttpRoute> routes,

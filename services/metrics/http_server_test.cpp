@@ -28,7 +28,7 @@ HttpRoute fixed(int status, const std::string& body) {
 
 const std::map<std::string, HttpRoute> health{{"/healthz", fixed(200, "ok\n")}};
 
-/// A connection that sends what it likes.
+/// A connection that sends arbitrary bytes.
 class RawClient {
  public:
   explicit RawClient(const HttpServer& server) {
@@ -126,7 +126,7 @@ TEST_CASE("requests under a foreign name are refused", "[http]") {
   CHECK_THAT(answer(server, "GET /healthz HTTP/1.1\r\nConnection: close\r\n\r\n"), Contains(" 400 "));
   CHECK_THAT(answer(server, "GET /healthz HTTP/1.0\r\nHost: localhost\r\nHost: attacker.example\r\n\r\n"),
              Contains(" 400 "));
-  CHECK_THAT(answer(server, "GET /healthz HTTP/1.0\r\n\r\n"), Contains(" 200 "));  // a health check of old
+  CHECK_THAT(answer(server, "GET /healthz HTTP/1.0\r\n\r\n"), Contains(" 200 "));  // an HTTP/1.0 health check
 }
 
 TEST_CASE("a server for other hosts answers under any address and this machine's name, not under others", "[http]") {
@@ -149,7 +149,7 @@ TEST_CASE("requests that are too large or no HTTP are refused", "[http]") {
   CHECK(is_healthy(server));
 }
 
-TEST_CASE("who sends or takes too slowly is dropped, and keeps nobody waiting", "[http]") {
+TEST_CASE("a client that sends or reads too slowly is dropped, and delays no other", "[http]") {
   HttpLimits limits;
   limits.time = 500ms;
   const std::string large(32U << 20U, 'x');
@@ -159,7 +159,7 @@ TEST_CASE("who sends or takes too slowly is dropped, and keeps nobody waiting", 
   for (int i = 0; i < 20; ++i) CHECK(slow.emplace_back(server).send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n"));
   RawClient never_reads(server);
   CHECK(never_reads.send("GET /large HTTP/1.1\r\nHost: localhost\r\n\r\n"));
-  // A byte now and then must not keep a connection for ever.
+  // A byte now and then must not keep a connection open without end.
   const auto started = Clock::now();
   while (slow.front().send("x") && Clock::now() - started < 30s) {
     for (RawClient& client : slow) (void)client.send("x");
@@ -171,7 +171,7 @@ TEST_CASE("who sends or takes too slowly is dropped, and keeps nobody waiting", 
   CHECK(never_reads.rest().size() < large.size());
 }
 
-TEST_CASE("one connection too many closes the one that has not moved for longest", "[http]") {
+TEST_CASE("one connection too many closes the least recently active one", "[http]") {
   HttpLimits limits;
   limits.connections = 4;
   limits.time = 1h;
@@ -215,7 +215,7 @@ TEST_CASE("answers that take long do not delay the health, and do not pile up", 
   CHECK_THAT(clients.front().rest(), Contains(" 200 ") && Contains("at last"));
 }
 
-TEST_CASE("a server that ends leaves nobody waiting", "[http]") {
+TEST_CASE("a server that ends leaves no client waiting", "[http]") {
   auto server = std::make_unique<HttpServer>("127.0.0.1", 0, health);
   RawClient idle(*server);
   RawClient half(*server);

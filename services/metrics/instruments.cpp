@@ -64,7 +64,7 @@ struct Instruments::State {
           .Add({}, prometheus::Histogram::BucketBoundaries(bus::answer_bounds_s.begin(), bus::answer_bounds_s.end()));
   std::array<prometheus::Counter*, rejections.size()> rejected{};
 
-  /// What a worker had told before.
+  /// What a worker had counted in its last status.
   struct Told {
     std::uint64_t incarnation = 0;
     bus::AnswerCounts counts{};
@@ -108,7 +108,7 @@ void Instruments::answered(std::string_view worker, std::uint64_t incarnation, c
   if (told.incarnation != incarnation) told = {.incarnation = incarnation, .counts = {}, .seconds = 0.0};
   std::vector<double> increments;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] < told.counts[i]) return;  // older than what is known
+    if (counts[i] < told.counts[i]) return;  // an older status
     increments.push_back(static_cast<double>(counts[i] - told.counts[i]));
   }
   state_->answer_seconds.ObserveMultiple(increments, seconds - told.seconds);

@@ -13,7 +13,7 @@ namespace aloft::metrics {
 enum class Rejection { other_experiment, unknown_flight, bad_trace };
 [[nodiscard]] std::string_view to_text(Rejection reason) noexcept;
 
-/// The collector's numbers in Prometheus' terms. Thread-safe.
+/// The collector's Prometheus metrics. Thread-safe.
 class Instruments {
  public:
   Instruments();

@@ -25,12 +25,12 @@ TEST_CASE("answer times fall into the bucket that they do not exceed", "[metrics
   CHECK(bus::answered_within_s(counts, 0.99) == INFINITY);
 }
 
-TEST_CASE("the histogram of answer times grows by what each worker has counted since it last told", "[metrics]") {
+TEST_CASE("the histogram of answer times grows by what each worker has counted since its last status", "[metrics]") {
   metrics::Instruments instruments;
   bus::AnswerCounts counts{};
   counts[1] = 3;
   instruments.answered("w0", 1, counts, 0.1);
-  instruments.answered("w0", 1, counts, 0.1);  // the same news again
+  instruments.answered("w0", 1, counts, 0.1);  // the same status again
   counts[8] = 1;
   instruments.answered("w0", 1, counts, 0.25);
   instruments.answered("w1", 7, counts, 0.25);
@@ -42,6 +42,6 @@ TEST_CASE("the histogram of answer times grows by what each worker has counted s
   bus::AnswerCounts anew{};
   anew[1] = 1;
   instruments.answered("w0", 2, anew, 0.0);                 // restarted: counts from zero
-  instruments.answered("w0", 2, bus::AnswerCounts{}, 0.0);  // overtaken by later news
+  instruments.answered("w0", 2, bus::AnswerCounts{}, 0.0);  // an older status
   CHECK_THAT(instruments.prometheus_text(), Contains("aloft_answer_seconds_count 9\n"));
 }

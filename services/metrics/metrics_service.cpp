@@ -94,8 +94,8 @@ class Conversation {
   }
 
  private:
-  /// Says in the database that this process writes it: by that the coordinator tells its collector from others. On a
-  /// full disk that has to wait.
+  /// Writes into the database that this process writes it: the coordinator recognises its collector by that. On a full
+  /// disk it is tried again later.
   void sign() {
     if (signed_ || Clock::now() < sign_at_) return;
     try {
@@ -130,7 +130,7 @@ class Conversation {
   void listen() {
     records_.drain([this](const wire::EpisodeRecord& sample) {
       if (const auto refused = collector_.offer(to_record(sample), Clock::now())) refuse(sample, *refused);
-      // A burst must not make the first of it wait for the last.
+      // The first record of a burst must not wait for the last one.
       if (const auto due = collector_.next_due(); due && *due <= Clock::now()) store_due(false);
     });
     memory_requests_.drain([this](const wire::MemoryRequest& request) { tell_memory(request); });
@@ -158,7 +158,7 @@ class Conversation {
     over_ = over_ || (over && !goes_on_later);
   }
 
-  /// Why the coordinator does not want us; `own` is the run's own collector.
+  /// Why the coordinator refuses this process; `own` is the run's own collector.
   [[nodiscard]] std::string refusal(const ProcessName& own) const {
     const std::string first =
         own.known() ? "is " + to_text(own, "aloft-metrics") : "writes the folder of its coordinator's --out";
@@ -168,7 +168,7 @@ class Conversation {
         participant_.options().run, first, options_.results.string());
   }
 
-  /// Only the run's own collector stores: what others confirm would be missing in the run's results.
+  /// Only the run's own collector stores: flights that another one confirms would be missing in the run's results.
   void store_due(bool flush) {
     try {
       store_.check_in_place();  // also when there is nothing to store
@@ -180,10 +180,10 @@ class Conversation {
     }
   }
 
-  /// The last flight of a lineage may be asked for by a worker that does not know yet that its lease is over: then
-  /// there is nothing to tell.
+  /// Only the latest memory of a lineage is kept, but a worker that does not know yet that its lease is over can ask for
+  /// an older one.
   void tell_memory(const wire::MemoryRequest& request) {
-    if (!accepted_) return;  // it is asked again
+    if (!accepted_) return;  // the request is repeated
     const experiment::FlightKey key{request.condition(), request.trial(), request.agent().to_string()};
     try {
       const auto memory = store_.memory(key);
@@ -224,7 +224,7 @@ class Conversation {
     confirmations_.write(stored);
   }
 
-  /// Its channel would send it for ever.
+  /// Tells the channel, which would send the record without end.
   void refuse(const wire::EpisodeRecord& sample, const std::string& reason) {
     warn_sometimes(reason);
     wire::RecordRefused refused;
@@ -236,7 +236,7 @@ class Conversation {
     refusals_.write(refused);
   }
 
-  /// Tells the coordinator and the HTTP side how we are.
+  /// Reports the collector's state to the coordinator and over HTTP.
   void publish() {
     const auto now = Clock::now();
     const std::string& paused = collector_.paused_because();
@@ -255,7 +255,7 @@ class Conversation {
   }
 
   void tell_collector(wire::CollectorState state, std::string_view message) {
-    if (!signed_) return;  // nobody could tell whose collector this is
+    if (!signed_) return;  // the coordinator could not recognise its collector
     wire::CollectorStatus status;
     status.experiment_id(wire::experiment_id(experiment_.id));
     status.collector(bus::to_wire(this_process()));
@@ -267,7 +267,7 @@ class Conversation {
     board_.on_collector(status);
   }
 
-  /// What somebody else does wrong may come often: say it once in a while.
+  /// For faults of other processes, which can come often: logs one of them every say_again_time.
   void warn_sometimes(const std::string& refused) {
     const auto now = Clock::now();
     if (now - refused_at_ < say_again_time) return;
@@ -298,7 +298,7 @@ class Conversation {
   std::uint64_t flights_stored_;
   bool signed_ = false;
   Clock::time_point sign_at_;
-  bool accepted_ = false;  // the coordinator, the latest if there were several, calls this the run's collector
+  bool accepted_ = false;  // the latest coordinator says that this is the run's own collector
   bool over_ = false;
   bool has_stored_ = false;
   bool was_paused_ = false;

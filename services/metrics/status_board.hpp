@@ -10,7 +10,7 @@
 
 namespace aloft::metrics {
 
-/// The last news of the run, for HTTP. Thread-safe: the collector writes, the server reads.
+/// The latest status messages of the run, for HTTP. Thread-safe: the collector writes, the server reads.
 class StatusBoard {
  public:
   using Clock = std::chrono::steady_clock;
@@ -33,7 +33,7 @@ class StatusBoard {
  private:
   mutable std::mutex mutex_;
   status::RunView view_;
-  mutable std::mutex health_mutex_;  // apart: nobody who asks for the health waits for a long status
+  mutable std::mutex health_mutex_;  // of its own, so that a health check never waits for a long status
   std::string paused_;
   Clock::time_point ticked_ = Clock::now();
 };

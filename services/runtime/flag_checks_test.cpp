@@ -7,14 +7,14 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// What a validator says of a value; empty: it is allowed.
+/// A validator's message about a value; empty if it is allowed.
 std::string said(const CLI::Validator& check, const std::string& value) {
   return check(value);
 }
 
 }  // namespace
 
-TEST_CASE("whole numbers: all 64 bits, and nothing that would be cut or turned round") {
+TEST_CASE("whole numbers: all 64 bits, and none that would be truncated or wrap around") {
   const CLI::Validator seed = whole_number(0, UINT64_MAX);
   for (const char* good : {"0", "1", "007", "18446744073709551615"}) CHECK(said(seed, good).empty());
   for (const char* bad : {"18446744073709551616", "99999999999999999999999", "-1", "-0", "+1", "1.5", "1e3", "0x10", "",
@@ -26,7 +26,7 @@ TEST_CASE("whole numbers: all 64 bits, and nothing that would be cut or turned r
   CHECK_THAT(said(threads, "257"), Contains("a whole number from 1 to 256"));
 }
 
-TEST_CASE("numbers: only those that are numbers, and in range") {
+TEST_CASE("numbers: only finite ones, and in range") {
   const CLI::Validator wait_s = number(0.5, 1e6);
   for (const char* good : {"0.5", "1e6", "3", "12.25"}) CHECK(said(wait_s, good).empty());
   for (const char* bad : {"nan", "-nan", "NAN", "nan(1)", "inf", "infinity", "-inf", "1e999", "0.49", "1000001", "-1",

@@ -28,13 +28,13 @@ std::string upper_case(std::string text) {
   return text;
 }
 
-/// What stands for an option's value, and what the value may be, in words.
+/// An option's placeholder, and the values that it allows, in words.
 struct Value {
   std::string placeholder;
   std::string allowed;
 };
 
-/// CLI11 says "TYPE:CHECK", where a check may be "{a,b}" or the name of what is wanted.
+/// CLI11 gives "TYPE:CHECK", where the check can be "{a,b}" or a placeholder.
 Value value_of(const CLI::Option& option) {
   if (option.get_type_size() == 0) return {};
   const std::string full = option.get_type_name();
@@ -53,7 +53,7 @@ Value value_of(const CLI::Option& option) {
   return value;
 }
 
-/// Lists come as [a,b], paths in quotes.
+/// CLI11 gives lists as [a,b], and paths in quotes.
 std::string default_of(const CLI::Option& option) {
   std::string text = option.get_default_str();
   for (const auto& [open, close] : {std::pair('[', ']'), std::pair('"', '"')})
@@ -112,7 +112,7 @@ std::string options_text(const CLI::App& app, bool positional, const std::string
   return text.empty() ? text : fmt::format("\n{}{}", heading.empty() ? "" : heading + ":\n", text);
 }
 
-/// Those without a name are groups of options of the command itself.
+/// Subcommands without a name are groups of options of the command itself.
 std::string commands_text(const CLI::App& app, std::size_t width) {
   std::vector<std::pair<std::string, std::string>> groups;
   std::string choices;

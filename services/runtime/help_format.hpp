@@ -14,7 +14,7 @@ class HelpFormatter : public CLI::Formatter {
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
 };
 
-/// `exit_code`, or exit_failure if what was written to standard output has not all arrived there; then says so.
+/// Returns `exit_code`, or reports and returns exit_failure if standard output could not be written completely.
 [[nodiscard]] int with_output_written(int exit_code, std::string_view program);
 
 }  // namespace aloft::runtime

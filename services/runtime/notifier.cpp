@@ -33,7 +33,7 @@ void Notifier::alive() {
 }
 
 void Notifier::send(const std::string& message) const {
-  if (!is_child_) sd_notify(0, message.c_str());  // a manager that is not there is no fault of ours
+  if (!is_child_) sd_notify(0, message.c_str());  // without a manager, this fails and does no harm
 }
 
 }  // namespace aloft::runtime

@@ -5,13 +5,13 @@
 
 namespace aloft::runtime {
 
-/// Tells the service manager how this process is (sd_notify(3)): ready, alive, stopping. Does nothing unless the
-/// manager asked for it with $NOTIFY_SOCKET, and $WATCHDOG_USEC for alive().
+/// Reports the state of this process to the service manager (sd_notify(3)): ready, alive, stopping. Does nothing unless
+/// the manager asked for it with $NOTIFY_SOCKET, and $WATCHDOG_USEC for alive().
 class Notifier {
  public:
-  /// `is_child`: the process that started this one speaks to the manager; this one does not.
+  /// `is_child`: the process that started this one reports to the manager; this one does not.
   explicit Notifier(bool is_child = false);
-  /// Says that the process is stopping.
+  /// Reports that the process is stopping.
   ~Notifier();
   Notifier(const Notifier&) = delete;
   Notifier& operator=(const Notifier&) = delete;

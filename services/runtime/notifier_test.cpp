@@ -17,7 +17,7 @@ using aloft::runtime::Notifier;
 
 namespace {
 
-/// What a service manager does: a datagram socket in the file system (or, from '@', the abstract namespace).
+/// A service manager: a datagram socket in the file system (or, from '@', the abstract namespace).
 class Manager {
  public:
   explicit Manager(std::string path) : path_(std::move(path)), socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
@@ -50,7 +50,7 @@ class Manager {
 
 }  // namespace
 
-TEST_CASE("the service manager is told: ready, alive while the loop turns, stopping") {
+TEST_CASE("the service manager is told: ready, alive while the loop runs, stopping") {
   const std::string pid = std::to_string(getpid());
   for (const std::string& path : {"/tmp/aloft-notify-" + pid, "@aloft-notify-" + pid}) {
     const Manager manager(path);
@@ -63,7 +63,7 @@ TEST_CASE("the service manager is told: ready, alive while the loop turns, stopp
       CHECK(manager.take() == "READY=1\nSTATUS=flies");
       CHECK(manager.take() == "WATCHDOG=1");
       std::this_thread::sleep_for(std::chrono::milliseconds(30));
-      CHECK(manager.take().empty());  // nobody says that the loop turns
+      CHECK(manager.take().empty());  // the loop has not reported that it runs
       notifier.alive();
       CHECK(manager.take() == "WATCHDOG=1");
     }
@@ -71,7 +71,7 @@ TEST_CASE("the service manager is told: ready, alive while the loop turns, stopp
   }
 }
 
-TEST_CASE("a child does not speak for its parent") {
+TEST_CASE("a child does not report for its parent") {
   const Manager manager("@aloft-notify-child-" + std::to_string(getpid()));
   setenv("WATCHDOG_USEC", "1000", 1);
   unsetenv("WATCHDOG_PID");
@@ -83,7 +83,7 @@ TEST_CASE("a child does not speak for its parent") {
   CHECK(manager.take().empty());
 }
 
-TEST_CASE("a watchdog meant for another process is not fed, and nobody listening does no harm") {
+TEST_CASE("a watchdog for another process is not fed, and a missing service manager does no harm") {
   const Manager manager("@aloft-notify-other-" + std::to_string(getpid()));
   setenv("WATCHDOG_USEC", "1000", 1);
   setenv("WATCHDOG_PID", "1", 1);

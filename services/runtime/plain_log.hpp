@@ -8,7 +8,7 @@
 namespace aloft::runtime {
 
 /// Lines in spdlog's pattern, where the message %v is plain text (base/plain_text.hpp): whatever names and messages
-/// from the wire say, an entry of the log is one line and commands no terminal.
+/// from the wire contain, an entry of the log is one line without control sequences for a terminal.
 [[nodiscard]] std::unique_ptr<spdlog::formatter> plain_log(const std::string& pattern);
 
 }  // namespace aloft::runtime

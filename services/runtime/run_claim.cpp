@@ -32,7 +32,7 @@ bool RunClaim::take() {
   }
   const bool taken = socket >= 0 && errno == EADDRINUSE;
   if (socket >= 0) ::close(socket);
-  return !taken;  // where there are no such sockets, nobody is refused
+  return !taken;  // without abstract sockets, no process is refused
 }
 
 }  // namespace aloft::runtime

@@ -5,18 +5,18 @@
 
 namespace aloft::runtime {
 
-/// One process of a machine at a time may do this for a run. Held as an abstract socket name, so it reaches as far as
-/// the loopback interface does (a container with a network of its own is another machine), leaves no file, and ends
-/// with the process, however that dies.
+/// Lets one process of a machine at a time do a task for a run. Held as an abstract socket name, so it reaches as far
+/// as the loopback interface does (a container with a network of its own is another machine), leaves no file, and ends
+/// with the process, however that ends.
 class RunClaim {
  public:
-  /// `what` is done for it, e.g. "coordinator".
+  /// `what`: the task, e.g. "coordinator".
   RunClaim(std::string_view run, int domain, std::string_view what);
   ~RunClaim();
   RunClaim(const RunClaim&) = delete;
   RunClaim& operator=(const RunClaim&) = delete;
 
-  /// True if it is ours, now or since earlier; false if another process has it.
+  /// True if this process has the claim, now or since earlier; false if another process has it.
   bool take();
 
  private:

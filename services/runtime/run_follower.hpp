@@ -12,8 +12,7 @@
 namespace aloft::runtime {
 
 /// What a process of a worker learns from RunControl: the experiment of its run, its collector, and when the run is
-/// over. A process
-/// serves one experiment: what is said about others is dropped, and so is an experiment that cannot be read.
+/// over. A process serves one experiment: messages about others are dropped, and so is one that cannot be read.
 class RunFollower {
  public:
   explicit RunFollower(const bus::Participant& participant) : controls_(participant) {}
@@ -22,7 +21,7 @@ class RunFollower {
   bool update();
 
   [[nodiscard]] bool over() const noexcept { return over_; }
-  /// Whose confirmations count (ProcessName::incarnation); 0: not known yet.
+  /// ProcessName::incarnation of the collector whose confirmations count; 0: not known yet.
   [[nodiscard]] std::uint64_t collector() const noexcept { return collector_; }
   /// Null until it is known.
   [[nodiscard]] const std::shared_ptr<const experiment::Experiment>& experiment() const noexcept { return experiment_; }
@@ -31,7 +30,7 @@ class RunFollower {
 
  private:
   void follow(const wire::RunControl& control);
-  /// Logs it once for every sender: who offers something unreadable may do so for ever.
+  /// Logs it once per sender, because a sender can repeat an unreadable experiment without end.
   void refuse(std::string_view reason);
 
   bus::Reader<wire::RunControl> controls_;

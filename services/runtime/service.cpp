@@ -61,8 +61,8 @@ void open_first_log(const std::string& name) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-/// The log folder, if this process had to make it. One that is refused takes it back: it has nothing to tell but what
-/// it says on standard error.
+/// The log folder, if this process had to make it. A process that is refused removes it again: its error is on standard
+/// error.
 class MadeLog {
  public:
   void make(const std::filesystem::path& file) {
@@ -81,7 +81,7 @@ class MadeLog {
   std::vector<std::filesystem::path> made_;  // innermost first
 };
 
-/// The file takes everything from the chosen level on, standard error only warnings and worse (--verbose: too).
+/// The file takes everything from the chosen level on, standard error (without --verbose) only warnings and errors.
 void open_log(const CommonOptions& options, const ServiceInfo& info, MadeLog& made) {
   const std::string name = options.bus.worker.empty() ? info.name : info.name + "-" + options.bus.worker;
   auto console = std::make_shared<spdlog::sinks::stderr_sink_mt>();
@@ -107,10 +107,10 @@ void open_log(const CommonOptions& options, const ServiceInfo& info, MadeLog& ma
 void follow_parent() {
   const pid_t parent = getppid();
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) raise(SIGTERM);  // it died in between
+  if (getppid() != parent) raise(SIGTERM);  // the parent ended in between
 }
 
-/// Runs `work`, telling people what went wrong. Returns the exit code.
+/// Runs `work` and logs its error. Returns the exit code.
 int guarded(const MadeLog& made, const std::function<int()>& work) {
   try {
     return work();

@@ -24,13 +24,13 @@ struct ServiceInfo {
 struct Service {
   bus::BusOptions bus;
   StopSignal& stop;
-  Notifier& notifier;  ///< services that run alone under a service manager tell it how they are
+  Notifier& notifier;  ///< reports the service's state to a service manager
 };
 
 /// Makes a service of two functions: `add_options` declares further command-line options (may be empty), `run` does the
-/// work until it is done or `stop` is requested. Parses --run, --worker, those of bus_flags.hpp, --log-dir,
-/// --log-level,
-/// --die-with-parent; sets up the log and the signals; turns errors into messages and exit codes (base/error.hpp).
+/// work until it is done or `stop` is requested. Parses --run, --worker, the options of bus_flags.hpp,
+/// --log-dir, --log-level, --verbose and --die-with-parent; sets up the log and the signals; turns errors into messages
+/// and exit codes (base/error.hpp).
 int run_service(int argc, char** argv, const ServiceInfo& info, const std::function<void(CLI::App&)>& add_options,
                 const std::function<void(Service&)>& run);
 

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// For whoever has the claim to say who it is, or to end.
+// Time for the process that has the claim to identify itself, or to end.
 constexpr std::chrono::seconds patience{15};
 constexpr std::chrono::milliseconds poll_period{20};
 
@@ -56,9 +56,8 @@ bool SoleCoordinator::is_first(const ProcessName& self, const ProcessName& other
 
 std::string SoleCoordinator::refusal(const ProcessName& first) const {
   return fmt::format(
-      "run '{0}' has a coordinator already: {1}; join it with: aloft worker --join {0}, or use another "
-      "--run",
-      run_, plain_text(to_text(first, "aloft-coordinator")));
+      "run '{0}' has a coordinator already: {1}; join it with: aloft worker --join {0}, or use another --run", run_,
+      plain_text(to_text(first, "aloft-coordinator")));
 }
 
 }  // namespace aloft::runtime

@@ -28,7 +28,7 @@ void watch(const std::stop_token& stop, std::chrono::milliseconds limit, const S
   const auto is_over = [&] { return stop.stop_requested(); };
   for (auto last = now(); !stopped.wait_for(lock, stop, limit / looks_per_limit, is_over);) {
     const auto still = now() - std::exchange(last, now());
-    if (still >= limit - limit / looks_per_limit) react(still);  // when it stopped, it had slept for a while already
+    if (still >= limit - limit / looks_per_limit) react(still);  // it may have stopped at the end of a sleep
   }
 }
 
@@ -40,7 +40,7 @@ StandstillWatch::StandstillWatch(std::chrono::milliseconds limit, React react)
 StandstillWatch::React end_to_be_started_again() {
   return [](std::chrono::milliseconds still) {
     spdlog::critical(
-        "stood still for {} s: the others have forgotten this process and cannot take it in again; it ends, to be "
+        "stood still for {} s: the other processes have forgotten this one and cannot accept it again; it ends, to be "
         "started again",
         still.count() / 1000);
     spdlog::default_logger()->flush();

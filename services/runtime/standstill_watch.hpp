@@ -19,11 +19,11 @@ class StandstillWatch {
   std::jthread thread_;
 };
 
-/// The exit code of a process with which nothing is wrong, but only a new one can go on; who supervises it starts that.
+/// The exit code of a process without a fault that must be replaced by a new one; its supervisor starts that.
 inline constexpr int exit_start_again = 75;
 
-/// For a process that others who have forgotten it cannot take in again (bus::longest_standstill): ends it with
-/// exit_start_again, and says so in the log.
+/// For a process that its peers have forgotten and cannot accept again (bus::longest_standstill): logs it and ends with
+/// exit_start_again.
 [[nodiscard]] StandstillWatch::React end_to_be_started_again();
 
 }  // namespace aloft::runtime

@@ -5,7 +5,7 @@
 namespace aloft::status {
 namespace {
 
-// Flights are stored in bursts, but with ten times the mean time between two of them one is unlucky once in thousands.
+// Flights are stored in bursts, but a gap of ten times the mean is a false alarm only once in thousands.
 constexpr int usual_gaps = 10;
 constexpr int usual_gaps_waiting = 3;
 constexpr std::chrono::seconds least{5};

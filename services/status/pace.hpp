@@ -6,7 +6,7 @@
 
 namespace aloft::status {
 
-/// Whether a run gets on, from how often flights are stored. The clock is passed in.
+/// Whether a run makes progress, from how often flights are stored. The clock is passed in.
 class Pace {
  public:
   using Clock = std::chrono::steady_clock;
@@ -14,8 +14,8 @@ class Pace {
   /// `stored`: flights so far; `waits`: the run says that it waits for something.
   void update(std::uint64_t stored, bool waits, Clock::time_point now);
 
-  /// Since when nothing has been stored, if that is much longer than usual: then no rate of before tells how much time
-  /// is left.
+  /// For how long nothing has been stored, if that is much longer than usual: then the rate so far does not tell how
+  /// much time is left.
   [[nodiscard]] std::optional<Clock::duration> blocked_for(Clock::time_point now) const;
 
  private:

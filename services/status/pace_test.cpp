@@ -15,9 +15,9 @@ TEST_CASE("a run is blocked when nothing is stored for much longer than usual", 
   Pace pace;
   CHECK_FALSE(pace.blocked_for(start));
   for (int i = 0; i <= 20; ++i) pace.update(static_cast<std::uint64_t>(i), false, start + i * 2s);
-  CHECK_FALSE(pace.blocked_for(start + 60s));  // 20 s since the last one, 2 s are usual
+  CHECK_FALSE(pace.blocked_for(start + 60s));  // 20 s since the last flight, 2 s are usual
   CHECK(pace.blocked_for(start + 61s) == 21s);
-  pace.update(20, false, start + 90s);  // no news
+  pace.update(20, false, start + 90s);  // nothing new is stored
   CHECK(pace.blocked_for(start + 90s) == 50s);
   pace.update(21, false, start + 91s);
   CHECK_FALSE(pace.blocked_for(start + 92s));

@@ -16,13 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A text of the run, as it may stand on a line.
+/// A text of the run, safe to print on one line.
 std::string text(const Json& object, const char* key) {
   return plain_text(object.at(key).get_ref<const std::string&>());
 }
 
-/// "dqn flying, planner, LOST for 0:12: min-height, random-walk (aloft-baseline-agent)"; those that are merely there by
-/// name only, those that were lost with their process together.
+/// "dqn flying, planner, LOST for 0:12: min-height, random-walk (aloft-baseline-agent)"; ready agents
+/// by name only, lost agents grouped by process.
 std::string agents_text(const Json& agents) {
   std::vector<std::string> parts;
   std::map<std::string, std::pair<std::vector<std::string>, double>> lost;  // by process
@@ -65,7 +65,7 @@ std::string workers_text(const Json& workers, std::size_t width) {
                fmt::format("{:.0f}", worker["steps_per_s"].get<double>()),
                std::to_string(worker["records_unconfirmed"].get<std::uint64_t>()),
                std::to_string(worker["drops"].get<std::uint64_t>())});
-    // Of a worker that is lost, so are all its agents.
+    // If a worker is lost, so are all its agents.
     if (text(worker, "state") == "alive")
       agents +=
           wrapped(agents_text(worker["agents"]), width, fmt::format("  {} flies: ", text(worker, "worker")), "      ");
@@ -73,7 +73,7 @@ std::string workers_text(const Json& workers, std::size_t width) {
   return table.text({.width = width}, table.fitting_rank({.width = width})) + agents;
 }
 
-/// What a person should know about: who is silent, what waits, the last failures.
+/// Problems that people should know: silent processes, what is waited for, the latest failures.
 std::vector<std::string> troubles(const Json& run) {
   std::vector<std::string> lines;
   if (run["silent_s"].is_null())

@@ -68,7 +68,7 @@ std::string_view to_text(wire::AgentState state) noexcept {
   return "unknown";
 }
 
-/// `since`: seconds between the worker's news and now.
+/// `since`: seconds since the worker's status.
 Json to_json(const wire::AgentNews& agent, double since) {
   const double silent_s = agent.silent_s() + since;
   return {
@@ -85,7 +85,7 @@ void RunView::on_control(const wire::RunControl& control) {
     const Json experiment = parse_json(wire::view(control.experiment_json()), "RunControl");
     if (experiment.is_object() && experiment.contains("name") && experiment["name"].is_string())
       experiment_ = experiment["name"];
-  } catch (const InputError&) {  // NOLINT: those who would fly it say so
+  } catch (const InputError&) {  // NOLINT: processes that would fly it report it
   }
 }
 
@@ -136,7 +136,7 @@ Json RunView::to_json(const Worker& worker, Clock::time_point now) {
   for (const wire::LeaseFailure& failure : status.failures())
     failures.push_back(
         {{"lease", fmt::format("{:016x}", failure.lease_id())}, {"reason", wire::view(failure.reason())}});
-  // Both are null until a command came, and from 1 s on: JSON has no infinity.
+  // Null until a command came, and from 1 s on: JSON has no infinity.
   const auto answer_ms = [&](double share) -> Json {
     const double within_s = bus::answered_within_s(status.answer_counts(), share);
     return std::isfinite(within_s) ? Json(std::round(within_s * 1e6) / 1e3) : Json();

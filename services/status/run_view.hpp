@@ -14,13 +14,14 @@ namespace aloft::status {
 
 using Clock = std::chrono::steady_clock;
 
-/// Who is silent for longer is lost.
+/// A process that is silent for longer is lost.
 inline constexpr double lost_after_s = 3.0;
 
-/// A run as its processes tell of it. Says who has fallen silent, and for how long. No bus; the clock is passed in.
+/// A run as its status messages show it, and which processes have been silent for how long. No bus; the clock is passed
+/// in.
 class RunView {
  public:
-  /// `name`: of the run on the bus.
+  /// `name`: the run's name on the bus.
   explicit RunView(std::string name) : name_(std::move(name)) {}
 
   void on_control(const wire::RunControl& control);
@@ -30,7 +31,7 @@ class RunView {
   /// Forgets workers that left 10 s ago, and those that have been lost for 10 minutes.
   void forget_old(Clock::time_point now);
 
-  /// The coordinator, and as many workers as it knows, have spoken.
+  /// True once the coordinator, the collector, and as many workers as the coordinator knows, have been heard.
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool heard() const noexcept { return run_.has_value() || !workers_.empty(); }
 
@@ -59,10 +60,10 @@ class RunView {
   std::map<std::string, Worker> workers_;
 };
 
-/// The same for people, in lines of at most `width` columns: a table of the workers, the troubles last. `run`: what
-/// RunView::to_json() gave.
+/// The result of RunView::to_json() for people, in lines of at most `width` columns: a table of the workers, then the
+/// problems.
 [[nodiscard]] std::string run_text(const nlohmann::ordered_json& run, std::size_t width);
-/// One line.
+/// The same in one line.
 [[nodiscard]] std::string run_line(const nlohmann::ordered_json& run);
 /// 75 -> "1:15", 3700 -> "1:01:40".
 [[nodiscard]] std::string clock_text(double seconds);

@@ -58,7 +58,7 @@ wire::RunStatus run_news() {
 
 }  // namespace
 
-TEST_CASE("a run is told with the rates of its workers, the time left, and who flies", "[status]") {
+TEST_CASE("a run is shown with the rates of its workers, the time left, and its agents", "[status]") {
   status::RunView view("demo");
   CHECK_FALSE(view.heard());
   view.on_run(run_news(), start + 4s);
@@ -91,7 +91,7 @@ TEST_CASE("a run is told with the rates of its workers, the time left, and who f
   CHECK(status::run_line(json) == "demo: running  40/100 flights  1.5 flights/s  ETA 0:40  workers 1");
 }
 
-TEST_CASE("who falls silent is named with the time since", "[status]") {
+TEST_CASE("silent processes are named, with the time since they were heard", "[status]") {
   status::RunView view("demo");
   view.on_run(run_news(), start);
   view.on_worker(worker_news(0, 0), start);
@@ -114,7 +114,7 @@ TEST_CASE("who falls silent is named with the time since", "[status]") {
   CHECK(view.to_json(start)["workers"].empty());
 }
 
-TEST_CASE("there is no time left to tell while nothing is stored", "[status]") {
+TEST_CASE("the time left is unknown while nothing is stored", "[status]") {
   status::RunView view("demo");
   view.on_run(run_news(), start);
   CHECK(view.to_json(start + 1s)["eta_s"] == 40.0);

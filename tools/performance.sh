@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-docs/performance.md}
-domain=${ALOFT_PERFORMANCE_DOMAIN:-59}  # of the runs over DDS
+domain=${ALOFT_PERFORMANCE_DOMAIN:-59}  # DDS domain of the runs
 
 [ -f build/build.ninja ] || cmake --preset release
 cmake --build build --target aloft aloft-environment aloft-channel aloft-learning-agent aloft-baseline-agent aloft-coordinator \
@@ -165,21 +165,21 @@ TEXT
   cat << 'TEXT'
 
 ## Growth of the coordinator
-`build/bin/coordinator_benchmark`: coordinator and database without a bus; all workers are played and fly in no time, one
+`build/bin/coordinator_benchmark`: coordinator and database without a bus; all workers are simulated and fly in no time, one
 flight of 100 steps per trial, 64 per durable commit. CPU us, wall us and bytes per trial must not grow with the trials.
 Restart: opening (SQLite checks the whole database) and reading it, when all flights are there.
 TEXT
   (cd build && bin/coordinator_benchmark) | code
   echo
   echo "The same over DDS with the real coordinator and collector (\`build/bin/fake_workers\`); with few workers, the collector's"
-  echo "commits every 50 ms are what is waited for:"
+  echo "commits every 50 ms are the limit:"
   (cd build && bin/fake_workers) | code
 
   say "bus ..."
   cat << 'TEXT'
 
 ## Bus
-Steps per second of a worker whose agents do not learn, over DDS, the coordinator and the collector played by the
+Steps per second of a worker whose agents do not learn, over DDS, the coordinator and the collector simulated by the
 benchmark; and a report with its command, there and back, through our bus and with bare Fast DDS in turns.
 TEXT
   { $bin/bus_worker --benchmark_format=csv 2> /dev/null | awk -F, '/^name/ {next} /^"worker/ {gsub(/"/, "", $1); split($1, n, "/"); printf "%-18s %8.0f steps/s\n", n[1], $NF}'

@@ -17,7 +17,7 @@ esac
 
 mapfile -t packages < <(grep -v '^#' tools/packages.txt)
 missing=()
-# Some machines have these from elsewhere than Debian: the command is enough.
+# On some machines these come from another source than Debian; having the command is enough.
 declare -A command_of=([nodejs]=node [npm]=npm [chromium]=chromium)
 for package in "${packages[@]}"; do
   command -v "${command_of[$package]:-none}" >/dev/null && continue

@@ -2,7 +2,7 @@
 # Installs, builds and runs the tests.
 #   tools/test.sh                  format check, unit, integration and statistics tests
 #   tools/test.sh unit             one tier only: unit, integration, statistics or soak
-#   tools/test.sh threads          what ThreadSanitizer looks at: tests of the bus and the services that run in one process
+#   tools/test.sh threads          the tests for ThreadSanitizer: of the bus and of services in one process
 #   tools/test.sh --preset asan    the tests under AddressSanitizer and UBSan (or tsan: ThreadSanitizer); with a tier: only that
 #   tools/test.sh --lint           clang-format and clang-tidy over all sources
 #   tools/test.sh --all            all of it but soak: lint, both sanitizers, all tests; hours

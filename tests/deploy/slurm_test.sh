@@ -95,10 +95,10 @@ read -r coordinator workers < <("$source_folder/deploy/slurm/submit.sh" "$work/s
 stored() { "$ALOFT" export "$work/out" --flights --format csv | sed -n 3p | grep -q .; }
 wait_for 60 "the first flights" stored
 
-# The coordinator's node is taken away, and a worker too: both jobs start again, and the sweep goes on.
+# Requeues the coordinator and a worker: both jobs start again, and the sweep goes on.
 scontrol requeue "$coordinator"
 scontrol requeue "${workers}_1"
-# Slurm would let them wait for two minutes; the node needs a moment to have seen their end.
+# Slurm would delay them for two minutes; the node needs a moment to notice their end.
 sleep 4
 ended() {
   for job in "$coordinator" "${workers}_1"; do scontrol update "JobId=$job" StartTime=now || true; done
@@ -110,6 +110,6 @@ wait_for 200 "the end of the sweep" ended
 digest=$("$ALOFT" digest "$work/out")
 [ "$digest" = "$("$ALOFT" digest "$work/reference")" ] || { echo "another digest: $digest" >&2; exit 1; }
 [ -f "$work/out/summary.json" ] || { echo "there is no summary.json" >&2; exit 1; }
-# It was indeed resumed: two coordinators wrote into the log.
+# The run was resumed if two coordinators wrote into the log.
 [ "$(grep -c "info aloft-coordinator: process" "$work/out/log/aloft-coordinator.log")" -ge 2 ] || { echo "the coordinator was not requeued" >&2; exit 1; }
 echo "same digest: $digest"

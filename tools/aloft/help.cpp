@@ -92,7 +92,7 @@ const CommandExamples all_examples[] = {
       {"one run, until Ctrl-C", "aloft status --run lab --watch"},
       {"for programs", "aloft status --format json"}}},
     {"doctor",
-     {{"before the first run, or when one does not get going", "aloft doctor"},
+     {{"before the first run, or when a run does not start", "aloft doctor"},
       {"remove what killed programs left", "aloft doctor --clean"},
       {"as the run will be", "aloft doctor --domain 7 --interface lo --out results"}}},
     {"coordinator",

@@ -117,7 +117,6 @@ class LeaseLedger {
   [[nodiscard]] std::uint64_t count(TrialState state) const noexcept {
     return counts_[static_cast<std::size_t>(state)];
   }
-  [[nodiscard]] std::uint64_t trials_total() const noexcept { return slots_.size(); }
   [[nodiscard]] std::uint64_t flights_total() const noexcept { return slots_.size() * options_.agents; }
   [[nodiscard]] std::uint64_t flights_stored() const noexcept { return flights_stored_; }
   [[nodiscard]] std::size_t workers_alive() const noexcept { return names_.size(); }

@@ -169,7 +169,8 @@ class Simulation {
       }
     }
     RC_ASSERT(missing_trials <= ledger_.count(TrialState::failed));
-    RC_ASSERT(ledger_.count(TrialState::failed) + ledger_.count(TrialState::done) == ledger_.trials_total());
+    RC_ASSERT(ledger_.count(TrialState::failed) + ledger_.count(TrialState::done) ==
+              std::uint64_t{setup_.ledger.conditions} * setup_.ledger.trials);
   }
 
   Setup setup_;

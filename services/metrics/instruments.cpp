@@ -15,7 +15,8 @@
 namespace aloft::metrics {
 namespace {
 
-constexpr std::array rejections{Rejection::other_experiment, Rejection::unknown_flight, Rejection::bad_trace};
+/// Labels, in the order of Rejection.
+constexpr std::array rejection_labels{"other_experiment", "unknown_flight", "bad_trace"};
 
 prometheus::Counter& counter(prometheus::Registry& registry, const std::string& name, const std::string& help) {
   return prometheus::BuildCounter().Name(name).Help(help).Register(registry).Add({});
@@ -26,18 +27,6 @@ prometheus::Gauge& gauge(prometheus::Registry& registry, const std::string& name
 }
 
 }  // namespace
-
-std::string_view to_text(Rejection reason) noexcept {
-  switch (reason) {
-    case Rejection::other_experiment:
-      return "other_experiment";
-    case Rejection::unknown_flight:
-      return "unknown_flight";
-    case Rejection::bad_trace:
-      return "bad_trace";
-  }
-  return "unknown";
-}
 
 struct Instruments::State {
   prometheus::Registry registry;
@@ -62,7 +51,7 @@ struct Instruments::State {
           .Help("Time from the report of a step to the command that answers it, as the workers measure it")
           .Register(registry)
           .Add({}, prometheus::Histogram::BucketBoundaries(bus::answer_bounds_s.begin(), bus::answer_bounds_s.end()));
-  std::array<prometheus::Counter*, rejections.size()> rejected{};
+  std::array<prometheus::Counter*, rejection_labels.size()> rejected{};
 
   /// What a worker had counted in its last status.
   struct Told {
@@ -79,8 +68,8 @@ Instruments::Instruments() : state_(std::make_unique<State>()) {
                      .Name("aloft_records_rejected_total")
                      .Help("Records that were not stored because they are wrong")
                      .Register(state_->registry);
-  for (const Rejection reason : rejections)
-    state_->rejected[static_cast<std::size_t>(reason)] = &family.Add({{"reason", std::string(to_text(reason))}});
+  for (std::size_t i = 0; i < rejection_labels.size(); ++i)
+    state_->rejected[i] = &family.Add({{"reason", rejection_labels[i]}});
 }
 
 Instruments::~Instruments() = default;

@@ -11,7 +11,6 @@ namespace aloft::metrics {
 
 /// Why a record is refused; the label of aloft_records_rejected_total.
 enum class Rejection { other_experiment, unknown_flight, bad_trace };
-[[nodiscard]] std::string_view to_text(Rejection reason) noexcept;
 
 /// The collector's Prometheus metrics. Thread-safe.
 class Instruments {

@@ -180,8 +180,8 @@ class Conversation {
     }
   }
 
-  /// Only the latest memory of a lineage is kept, but a worker that does not know yet that its lease is over can ask for
-  /// an older one.
+  /// Only the latest memory of a lineage is kept, but a worker that does not know yet that its lease is over can ask
+  /// for an older one.
   void tell_memory(const wire::MemoryRequest& request) {
     if (!accepted_) return;  // the request is repeated
     const experiment::FlightKey key{request.condition(), request.trial(), request.agent().to_string()};

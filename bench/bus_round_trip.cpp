@@ -1,5 +1,5 @@
-// A report and its command, there and back: through common/bus, and with the middleware alone. Both in this run, in
-// turns, with the same types, quality of service and transport; the ratio is what our layer costs.
+// Round trip of a report and its command, through common/bus and with the middleware alone: in one run, in turns, with
+// the same types, quality of service and transport. The ratio is the cost of our layer.
 #include <benchmark/benchmark.h>
 #include <idl/flightPubSubTypes.h>
 #include <unistd.h>
@@ -101,7 +101,7 @@ class BusPair {
   wire::HeightCommand command_;
 };
 
-/// The middleware alone. The endpoints are copies of those that common/bus makes, so that nothing but our code differs.
+/// The middleware alone. The endpoints are copies of those that common/bus makes, so that only our code differs.
 struct BareEndpoint {
   template <class Out, class In, class OutType, class InType>
   static void make(const bus::Participant& participant, OutType*, InType*, const char* out, const char* in,

@@ -1,6 +1,6 @@
 // Steps per second of one worker of real processes with agents that do not learn, over DDS. All processes of the worker
-// share one core; this program, which plays coordinator and collector, has the others.
-// Usage: bus_worker [--benchmark_...]; the executables of the services stand beside it.
+// share one core; this program, which acts as coordinator and collector, has the others.
+// Usage: bus_worker [--benchmark_...]; needs the executables of the services beside it.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -26,7 +26,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t warm_up_flights = 100;
-constexpr std::uint64_t collector = 1;  // as which this program confirms flights
+constexpr std::uint64_t collector = 1;  // incarnation under which this program confirms flights
 constexpr const char* agents_text = R"(["min-height", "constant-60", "constant-120", "random-walk", "one-step-ahead",
                                         "optimal-height", "planner"])";
 
@@ -140,7 +140,7 @@ void measure(benchmark::State& state, const std::string& experiment_text, int nu
       static_cast<double>(state.iterations() * flights) * steps_per_flight, benchmark::Counter::kIsRate);
 }
 
-/// The radio is a table lookup: what is measured is the conversation.
+/// The radio is a table lookup: this measures the exchange of reports and commands.
 void worker_measured(benchmark::State& state) {
   const auto csv = std::filesystem::temp_directory_path() / ("bus-worker-" + std::to_string(getpid()) + ".csv");
   measure(state, measured_experiment(csv), 0);
@@ -148,7 +148,7 @@ void worker_measured(benchmark::State& state) {
 }
 BENCHMARK(worker_measured)->Iterations(3)->UseRealTime()->Unit(benchmark::kMillisecond);
 
-/// With the radio of 100 generated steps in every trial.
+/// With the radio computed for 100 generated steps in every trial.
 void worker_generated(benchmark::State& state) {
   measure(state, generated_experiment(), 1);
 }

@@ -1,5 +1,6 @@
-// The coordinator and the real database together, against workers that fly in no time: how leases per second, memory
-// and the time to go on after a restart grow with the trials and with the workers. A flat "us per trial" is the claim.
+// The coordinator and the real database together, with simulated workers that fly in no time: how leases per second,
+// memory and the time to resume after a restart grow with the trials and with the workers. The claim: "us per trial" is
+// constant.
 // Usage: coordinator_benchmark [MOST_TRIALS, a power of ten; default 1000000]. The database of a million flights of 100
 // steps takes 4 GB in the current directory's file system, and two minutes.
 #include <fmt/format.h>
@@ -25,7 +26,7 @@ using coordinator::Clock;
 using coordinator::Coordinator;
 using namespace std::chrono_literals;
 
-constexpr std::uint32_t trials_at_a_time = 5;  // of a worker: its lanes and one more
+constexpr std::uint32_t trials_at_a_time = 5;  // per worker: its lanes and one more
 constexpr std::size_t flights_per_commit = 64;
 
 double seconds_since(Clock::time_point start) {
@@ -37,7 +38,7 @@ std::size_t heap_bytes() {
   return heap.uordblks + heap.hblkhd;
 }
 
-/// Plays all workers: each holds its leases, and reports after every flight.
+/// Simulates all workers: each holds its leases, and reports after every flight.
 class Fleet {
  public:
   explicit Fleet(std::uint32_t workers) : leases_(workers) {
@@ -142,7 +143,7 @@ void fly(Row& row, const experiment::Experiment& experiment, store::ResultStore&
   row.memory_bytes = static_cast<double>(heap_bytes() - heap_before);
 }
 
-/// What a coordinator does when it is started on results that are there, up to its first lease if one is left.
+/// A coordinator that is started on existing results, up to its first lease if one is left.
 void restart(Row& row, const experiment::Experiment& experiment, const std::filesystem::path& folder) {
   const auto start = Clock::now();
   const auto results = store::ResultStore::open_for_reading(folder);

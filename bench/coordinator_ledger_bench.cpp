@@ -1,5 +1,5 @@
-// The coordinator's ledger alone, against 1,000 workers that answer at once: how the cost of a lease, of a trial's
-// memory and of a restart grow with the number of trials. A flat "per trial" column is the claim.
+// The coordinator's ledger alone, with 1,000 workers that answer at once: how the cost of a lease, of a trial's memory
+// and of a restart grow with the number of trials. The claim: the "per trial" column is constant.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -24,7 +24,7 @@ LedgerOptions options(std::uint32_t trials) {
   return options;
 }
 
-/// A whole sweep: every worker holds two trials, reports its flights one by one, and beats twice a second.
+/// A whole sweep: every worker holds two trials, reports its flights one by one, and sends two heartbeats a second.
 void lease_and_store(benchmark::State& state) {
   const auto trials = static_cast<std::uint32_t>(state.range(0));
   std::vector<std::string> names;
@@ -74,7 +74,7 @@ void recover(benchmark::State& state) {
       static_cast<double>(trials), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// Every worker dies at once: from silence to all leases in new hands.
+/// All workers are lost at once: from the loss until other workers hold all leases.
 void lose_all_workers(benchmark::State& state) {
   const auto lost_workers = static_cast<std::uint32_t>(state.range(0));
   for ([[maybe_unused]] auto _ : state) {

@@ -1,6 +1,6 @@
-// The real coordinator and the real collector over DDS against workers that fly in no time, all played by this process:
-// trials per second from lease to confirmation, and what a trial costs the two.
-// Usage: fake_workers [WORKERS ...; default 10 100 1000]; the executables stand beside it.
+// The real coordinator and the real collector over DDS, with workers that fly in no time, all simulated by this
+// process: trials per second from lease to confirmation, and the CPU time per trial of the two.
+// Usage: fake_workers [WORKERS ...; default 10 100 1000]; needs the executables of the services beside it.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -31,7 +31,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t warm_up_trials = 3'000;
 constexpr std::uint64_t measured_trials = 15'000;
 constexpr std::uint32_t trials_at_a_time = 5;
-constexpr std::size_t most_unconfirmed = 256;  // half of what the writer keeps
+constexpr std::size_t most_unconfirmed = 256;  // half of the writer's history
 constexpr auto send_again_after = 2s;
 constexpr auto heartbeat_period = 500ms;
 constexpr auto limit = 120s;

@@ -1,6 +1,6 @@
-// In-process flights of agents: steps per second, table generation apart. The claim
-// is at least 500,000 steps/s on one core. "floor" does the least that any implementation must do for the same record:
-// read one cell of the table per step and store it; "x_floor" is how many times longer an agent's step takes.
+// In-process flights of agents: steps per second, without table generation. The claim: at least 500,000 steps/s on one
+// core. "floor" is the least work of any implementation for the same record: read one cell of the table per step and
+// store it; "x_floor" is how many times longer an agent's step takes.
 #include <benchmark/benchmark.h>
 
 #include <ctime>
@@ -48,7 +48,7 @@ double floor_seconds_per_step() {
   static const double seconds = [] {
     auto map = city_sized_map();
     constexpr int flights = 20'000;
-    const std::clock_t start = std::clock();  // processor time, as the counters below
+    const std::clock_t start = std::clock();  // CPU time, as in the counters below
     for (int i = 0; i < flights; ++i) benchmark::DoNotOptimize(walk_the_table(map));
     return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / flights / map.steps();
   }();

@@ -3,7 +3,7 @@
 #   waiting   a coordinator and a collector that wait for the first worker
 #   idle      the same with workers that have joined and find nothing to fly
 #   bench/idle.sh [WORKERS] [SECONDS] [DOMAIN]
-# Both are measured over SECONDS. Works on a busy machine, too: CPU time is counted, not time.
+# Both are measured over SECONDS. Works on a busy machine, too: CPU time is counted, not wall-clock time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 workers=${1:-2}
@@ -20,7 +20,7 @@ end() {
 }
 trap end EXIT
 
-# Workers that fly nothing but min-height have soon done all that they can; constant-60 waits for a worker that flies it.
+# The workers fly only min-height and are soon idle; constant-60 waits for a worker that flies it.
 cat > "$scratch/experiment.json" << 'JSON'
 {"name": "idle", "trials": 2, "agents": ["min-height", "constant-60", "dqn"],
  "world": {"kind": "generated", "bs_density_per_km2": 1, "steps": 20}}
@@ -28,7 +28,7 @@ JSON
 
 start() { "$bin/aloft" "$@" --domain "$domain" > /dev/null 2>> "$scratch/err" & pids+=($!); }
 
-# family PID: it and its children.
+# family PID: the process and its children.
 family() { echo "$1"; pgrep -P "$1" || true; }
 
 # sample FILE: per process its CPU in ns, its wake-ups and its name.

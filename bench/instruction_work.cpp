@@ -62,7 +62,7 @@ const std::map<std::string, std::function<void()>>& pieces() {
 
 }  // namespace
 
-/// What callgrind counts: --toggle-collect knows it by this name.
+/// Callgrind counts this function: --toggle-collect names it.
 extern "C" __attribute__((noinline)) void counted_work(const std::function<void()>& work) {
   work();
 }

@@ -1,9 +1,9 @@
 // Training speed beside the arithmetic floor of the same core: the time that the arithmetic of a gradient step would
-// take at the rate of a pure multiply-add loop with the same instructions (Eigen: with AVX2). Two floors: all of it,
-// as if a root or a quotient took no longer than a sum; and the matrix products alone, as if Adam took no time at all.
-// Floor and training take short turns; see shortest_turn.hpp. Once on random minibatches, in which nearly every unit
-// works for some sample, and once in a DQN's flight, in which many units are dead for a whole minibatch and are
-// skipped.
+// take at the rate of a pure multiply-add loop with the same instructions (Eigen: with AVX2). Two floors: all
+// operations, as if a root or a quotient took no longer than a sum; and the matrix products alone, as if Adam took no
+// time. Floor and training take short turns; see shortest_turn.hpp. Measured on random minibatches, in which nearly
+// every unit is active for some sample, and in a DQN's flight, in which many units are inactive for a whole minibatch
+// and are skipped.
 
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ Operations operations(const learn::NetworkShape& shape) {
   return result;
 }
 
-/// As many turns as what it is compared with, so that both have the same chances of an undisturbed core.
+/// Takes as many turns as the training, so that both have the same chance of an undisturbed core.
 class Floor {
  public:
   Floor(Path path, std::size_t turns) : path_(path), best_s_(turns, 1e9) {}
@@ -57,7 +57,7 @@ class Floor {
   void take_turn(std::size_t turn) {
     bench::shortest_turn(best_s_[turn], path_ == Path::avx512 ? bench_floor::avx512_loop : bench_floor::avx2_loop);
   }
-  /// The time of so many operations.
+  /// The time of this many operations.
   [[nodiscard]] double seconds(double operations) const {
     const double per_instruction = path_ == Path::avx512 ? 32.0 : 16.0;
     const double turn_s = std::reduce(best_s_.begin(), best_s_.end()) / static_cast<double>(best_s_.size());
@@ -76,8 +76,8 @@ void print_row(Path path, const char* what, double step_s, const Floor& floor) {
              floor_s * 1e6, step_s / floor_s, step_s / floor.seconds(all.products));
 }
 
-/// All the steps on a minibatch, as an agent takes them, with a network that has seen another one before. Several
-/// times the same; of each turn the fastest.
+/// All gradient steps on a minibatch, as an agent takes them, with a network that was trained on another one before.
+/// Repeated; the fastest turn counts.
 void random_minibatches(Path path, Loss loss) {
   const learn::NetworkShape shape = learn::dqn_shape(38);
   const learn::Minibatch batch = learn::random_minibatch(shape, 16, loss, "benchmark");
@@ -116,7 +116,7 @@ agents::Observation report(std::uint32_t step, double& height_m, agents::Action 
   return observation;
 }
 
-/// The same flight several times; of each of its steps the fastest.
+/// The same flight several times; the fastest turn of each of its steps counts.
 void dqn_flight() {
   constexpr int flights = 5;
   const Parameters parameters(agents::dqn_parameters());

@@ -1,6 +1,6 @@
 #pragma once
 
-// Loops of nothing but multiply-adds: what a core can do at most.
+// Loops of multiply-adds alone: the most that a core can compute.
 namespace bench_floor {
 
 /// Multiply-add instructions of one call.

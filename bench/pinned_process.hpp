@@ -13,10 +13,10 @@
 
 namespace bench {
 
-/// A program that stands beside this one, on some cores only; asked to end, and waited for, with this object.
+/// A process of a program from this one's folder, pinned to some cores. The destructor asks it to end, and waits.
 class PinnedProcess {
  public:
-  /// `cores` as taskset takes them, e.g. "0" or "0,1"; `log` takes what the program prints.
+  /// `cores` as taskset takes them, e.g. "0" or "0,1"; `log` is the file for its output.
   PinnedProcess(const std::string& cores, const std::string& program, const std::vector<std::string>& arguments,
                 const std::string& log = "/dev/null") {
     const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();

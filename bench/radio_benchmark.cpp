@@ -16,7 +16,7 @@ using namespace aloft;
 using nlohmann::json;
 
 constexpr std::uint64_t seed = 1;
-constexpr std::uint32_t trials = 10;  // cities differ in their cost: each benchmark goes round these
+constexpr std::uint32_t trials = 10;  // cities differ in their cost: each benchmark cycles through this many
 
 Parameters world_with(double bs_density_per_km2, double building_density_per_km2, double window_m) {
   return radio::resolve_generated_world({{"bs_density_per_km2", bs_density_per_km2},

@@ -1,6 +1,6 @@
-// Flights per second of aloft run with one worker on one core and with two workers on two cores, in turns: with DQN
-// flights, where learning is all, and without, where the conversation over DDS is.
-// Usage: scaling [DOMAIN [TURNS]]; the executables stand beside it. Three minutes.
+// Flights per second of `aloft run` with one worker on one core and with two workers on two cores, in turns: with DQN
+// flights, where learning takes nearly all the time, and without, where DDS does. Takes three minutes.
+// Usage: scaling [DOMAIN [TURNS]]; needs the executables of aloft beside it.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -58,7 +58,7 @@ class Listener {
     return steps_.size() == workers &&
            std::all_of(steps_.begin(), steps_.end(), [](const auto& worker) { return worker.second.first > 0; });
   }
-  /// Steps of every worker with the moment in which it told them.
+  /// Steps of every worker, with the time of its status.
   [[nodiscard]] const auto& steps() const noexcept { return steps_; }
 
  private:

@@ -10,13 +10,13 @@
 
 namespace bench {
 
-/// A folder on the disk of the current directory, where results usually go; disappears with this object.
+/// A folder on the disk of the current directory, where results usually go; removed with this object.
 class Folder {
  public:
   Folder() {
     std::string pattern = (std::filesystem::current_path() / "aloft-bench-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr)
-      throw aloft::InputError("cannot make a scratch folder in the current directory; go to one that may be written");
+      throw aloft::InputError("cannot make a scratch folder in the current directory; change to a writable one");
     path = pattern;
   }
   ~Folder() { std::filesystem::remove_all(path); }

@@ -5,15 +5,15 @@
 
 namespace bench {
 
-/// CPU time of this thread in seconds: what other programs take does not count.
+/// CPU time of this thread in seconds; other programs do not count.
 inline double thread_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Runs it once and lowers `best_s` to the time it took. Things that are to be compared take turns, many short ones:
-/// the shortest of each is then from a moment in which nothing else disturbed the core.
+/// Runs `run` once and lowers `best_s` to its time. Alternatives that are compared take many short turns: the shortest
+/// turn of each is then from a time in which nothing else disturbed the core.
 template <typename Run>
 void shortest_turn(double& best_s, Run run) {
   const double start_s = thread_seconds();

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # How long a run takes from its command to its first stored flight, and how much memory a worker takes.
 #   bench/start.sh [WORKERS] [TIMES] [DOMAIN]
-# Start: aloft run with WORKERS workers, TIMES times, the middle one counts; the clock stops when the collector logs that
-# the first flight is in the database. Memory: one worker while it flies eight agents, the DQN among them: PSS (private
-# pages, and of shared ones its share) of its four processes, the largest sum of all samples.
+# Start: median of TIMES runs with WORKERS workers, until the collector logs that the first flight is in the database.
+# Memory: one worker while it flies eight agents, one of them the DQN: PSS (private pages, and its share of shared ones)
+# of its four processes, the largest sum of all samples.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 workers=${1:-4}

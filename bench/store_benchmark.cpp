@@ -1,5 +1,5 @@
 // Storing flights durably, as the metrics service does: batches of 64 flights of 100 steps. The floor in the same run
-// is one fsync'ed append of as many bytes per batch.
+// is one fsync'ed append of the same number of bytes per batch.
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
 #include <unistd.h>

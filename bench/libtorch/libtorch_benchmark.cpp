@@ -1,6 +1,6 @@
 // A gradient step of the paper's network (38-39-200-200-200-3, batch 16, Adam) with our kernels, with Eigen and with
 // libtorch as a user would write it and as an expert would tune it: one thread, the same minibatches and initial
-// weights, in turns within one run. Each time is the shortest of many turns, so that other programs disturb little.
+// weights, in turns within one run. Each time is the shortest of many turns, so that other programs hardly count.
 
 #include <fmt/format.h>
 #include <torch/torch.h>
@@ -28,7 +28,7 @@ constexpr std::size_t minibatches = 4;
 
 const learn::AdamSettings adam;
 
-/// An implementation to compare: trains `steps` on the minibatch and returns the loss before the last of them.
+/// An implementation to compare: takes `steps` gradient steps on the minibatch; returns the loss before the last one.
 struct Contender {
   std::string name;
   std::function<double(std::size_t minibatch, std::size_t steps)> train;
@@ -58,7 +58,7 @@ torch::Tensor layer_of(const learn::NetworkState& state, const learn::NetworkSha
   return tensor(values, static_cast<std::int64_t>(size.inputs + 1));
 }
 
-/// As in every tutorial: modules, autograd, optim::Adam.
+/// As in libtorch's tutorials: modules, autograd, optim::Adam.
 class Idiomatic {
  public:
   Idiomatic(const learn::NetworkShape& shape, const learn::NetworkState& state) {
@@ -187,7 +187,7 @@ class Tuned {
   std::size_t steps_ = 0;
 };
 
-/// All must have learned the same, within what the place of Adam's epsilon makes: before or after the bias correction.
+/// All must have learned the same, but for the place of Adam's epsilon: before or after the bias correction.
 void check_losses(std::vector<Contender>& contenders) {
   std::vector<double> losses;
   for (Contender& contender : contenders) losses.push_back(contender.train(0, 5));
@@ -236,7 +236,7 @@ int main() {
                           return idiomatic->train(theirs[i], steps);
                         }});
 
-  torch::globalContext().setFlushDenormal(true);  // for all: without it, libtorch gets slower and slower
+  torch::globalContext().setFlushDenormal(true);  // for all contenders: without it, libtorch gets slower and slower
   check_losses(contenders);
   for (int turn = 0; turn < turns; ++turn)
     for (Contender& contender : contenders)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes an authority and keys in a scratch folder, flies a small secured run, and shows that an observer without keys hears nothing.
+# Makes an authority and keys in a scratch folder, flies a small secured run, and shows that an observer without keys receives nothing.
 #   PATH=build/bin:$PATH deploy/security/example.sh
 set -euo pipefail
 experiment=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/data/experiments/quick.json

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs an experiment on a Slurm cluster: one job that coordinates and stores, and an array of workers.
 #   deploy/slurm/submit.sh EXPERIMENT OUT WORKERS [sbatch options for all, e.g. --partition=short --time=12:00:00]
-# OUT, the experiment and the build must lie on a file system that all nodes share. Give the same command again to go
-# on with what was interrupted. Environment:
+# OUT, the experiment and the build must be on a file system that all nodes share. The same command continues an
+# interrupted run. Environment:
 #   ALOFT             the program [build/bin/aloft beside this script]
 #   ALOFT_INTERFACE   network interface between the nodes, by name or address [the node's first address]
 set -euo pipefail

@@ -240,7 +240,7 @@ TEST_CASE("trials are dealt to lineages only if memory is lifelong") {
   CHECK(parse_agents("min-height", "agents[0]").at(0).lineages() == 0);
 }
 
-TEST_CASE("it learns from the executed action, whoever commanded it") {
+TEST_CASE("it learns from the executed action, whichever agent commanded it") {
   // Both observe the same flight of another pilot, so they must learn the same, whatever they would have commanded.
   Dqn asked(parameters_of());
   Dqn silent(parameters_of());

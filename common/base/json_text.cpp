@@ -18,7 +18,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::size_t longest_key_told = 80;
+constexpr std::size_t longest_key_shown = 80;
 
 /// "line L, column C" of the text's `byte`-th byte; all three count from 1.
 std::string line_and_column(std::string_view text, std::size_t byte) {
@@ -74,7 +74,7 @@ class Watch {
     if (event == Event::object_end) open_.pop_back();
     if (event == Event::key && !open_.back().insert(parsed.get<std::string>()).second)
       refuse(
-          fmt::format("the key {} stands twice in one object; keep one", plain_text(parsed.dump(), longest_key_told)));
+          fmt::format("the key {} stands twice in one object; keep one", plain_text(parsed.dump(), longest_key_shown)));
     return true;
   }
 

@@ -42,7 +42,7 @@ TEST_CASE("the word of a choice is parsed by the table that allows it") {
   CHECK_THROWS_WITH(Parameters(specs).chosen("loss", fewer), "parameter 'loss' has the unknown value 'mse'");
 }
 
-TEST_CASE("an implied default is left out of the canonical form, and any other value stands in it") {
+TEST_CASE("an implied default is left out of the canonical form, and any other value is part of it") {
   std::vector<aloft::ParameterSpec> specs = table;
   specs[1].default_is_implied = true;
   CHECK_FALSE(Parameters(specs).to_json().contains("layers"));

@@ -8,7 +8,7 @@
 
 using namespace aloft;
 
-TEST_CASE("a process has one name as long as it lives") {
+TEST_CASE("a process keeps its name until it ends") {
   const ProcessName& self = this_process();
   CHECK(self.known());
   CHECK(self.pid == static_cast<std::uint32_t>(getpid()));

@@ -32,7 +32,7 @@ class Source {
   }
   [[noreturn]] void refuse_for(int error) const { refuse(std::generic_category().message(error)); }
 
-  /// At most the size of the buffer; 0 at the end.
+  /// Reads at most the size of the buffer; returns 0 at the end.
   template <std::size_t size>
   [[nodiscard]] std::size_t read(std::array<char, size>& buffer) const {
     while (true) {

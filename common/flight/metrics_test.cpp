@@ -17,7 +17,7 @@ namespace {
 FlightRecord two_steps(double qos) {
   FlightRecord record;
   record.height_start_m = 40.0;
-  record.pilots = {"someone"};
+  record.pilots = {"an-agent"};
   record.steps.push_back({1, agents::Action::hold, 0.0, 0.0, 40.0, 3, 1.0, qos, qos, 0, {}});
   record.steps.push_back({2, agents::Action::up, 10.0, 0.0, 60.0, 4, 1.0, 3 * qos, 3 * qos, 0, {}});
   return record;

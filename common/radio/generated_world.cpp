@@ -105,7 +105,7 @@ void require(bool holds, std::string_view where, std::string_view key, const std
   if (!holds) throw InputError(fmt::format("{}{}{}: {}", where, where.empty() ? "" : ".", key, reason));
 }
 
-/// With this probability, 100,000 draws without a city have a probability of 10^-13, and they take a millisecond.
+/// With this probability, 100,000 draws in a row, which take a millisecond, all fail with a probability of 10^-13.
 constexpr double least_probability_of_enough = 3e-4;
 
 void check_heights(const Parameters& world, std::string_view where) {

@@ -12,7 +12,7 @@
 
 namespace aloft::radio {
 
-/// How one base station is received, before fading.
+/// One base station as it is received, before fading.
 struct StationExplanation {
   std::uint32_t station = 0;
   double distance_m = 0.0;         ///< horizontal
@@ -29,7 +29,7 @@ struct InterfererExplanation {
   double interference_w = 0.0;  ///< received power x fading
 };
 
-/// One base station whose SINR the UAV knows.
+/// A base station whose SINR the UAV measures.
 struct CandidateExplanation {
   std::uint32_t station = 0;
   bool may_serve = false;  ///< false: only a neighbour

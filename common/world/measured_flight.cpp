@@ -77,7 +77,7 @@ std::vector<Field> split(std::string_view line, std::size_t line_number) {
   }
 }
 
-/// Turns CSV text into rows; knows the file's name for messages.
+/// Parses CSV text into rows. Messages begin with the file's name.
 class Reader {
  public:
   Reader(std::string_view csv, std::string_view name) : rest_(csv), name_(name) {
@@ -252,7 +252,7 @@ double derived_sinr_db(const Row& row, const Reader& reader) {
   const double sinr_db = sinr_from_throughput_db(row.value[ColumnIndex::throughput]);
   if (std::fabs(sinr_db) > limits::level_db)
     reader.fail(row.step_field,
-                fmt::format("throughput_kbps {} stands for an SINR of {:.0f} dB, beyond {} dB, because the file has no "
+                fmt::format("throughput_kbps {} means an SINR of {:.0f} dB, beyond {} dB, because the file has no "
                             "column sinr_db; add it, or give throughput_kbps in kbit/s",
                             row.value[ColumnIndex::throughput], sinr_db, limits::level_db));
   return sinr_db;

@@ -105,9 +105,9 @@ TEST_CASE("measured flights beyond the limits of the wire are refused") {
   CHECK_THAT(error_of(flight(1, 2, 1e-4, "5")),
              Contains("flight.csv:3:3: ") && Contains("0.0001 m apart") && Contains("at least 0.001 m"));
   CHECK(error_of(flight(1, 2, 1, "32000000")) == "accepted");
-  CHECK_THAT(error_of(flight(1, 2, 1, "40000000")),
-             Contains("flight.csv:2:1: throughput_kbps 40000000 stands for an SINR of 12191 dB") &&
-                 Contains("sinr_db; add it"));
+  CHECK_THAT(
+      error_of(flight(1, 2, 1, "40000000")),
+      Contains("flight.csv:2:1: throughput_kbps 40000000 means an SINR of 12191 dB") && Contains("sinr_db; add it"));
 }
 
 TEST_CASE("unreadable files are named") {

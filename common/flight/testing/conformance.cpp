@@ -39,7 +39,7 @@ constexpr std::uint32_t to_the_end = ~0U;
 /// Chooses the command to execute, given the command of the agent under test and the step.
 using Pilot = std::function<Command(const Command&, std::uint32_t)>;
 
-Command fly_as_told(const Command& command, std::uint32_t /*step*/) {
+Command fly_as_commanded(const Command& command, std::uint32_t /*step*/) {
   return command;
 }
 
@@ -50,7 +50,7 @@ Command fly_to_both_limits(const Command& /*command*/, std::uint32_t step) {
 }
 
 /// Executes the agent's command in half of the steps.
-Command fly_half_as_told(const Command& command, std::uint32_t step) {
+Command fly_half_as_commanded(const Command& command, std::uint32_t step) {
   const std::uint64_t bits = mix64(step);
   if (bits % 2 == 0) return command;
   return {bits % 4 == 1 ? Action::up : Action::down};
@@ -61,15 +61,15 @@ Command fly_by_jumps(const Command& /*command*/, std::uint32_t step) {
   return {Action::absolute, 40.0 + 10.0 * static_cast<double>(mix64(step) % levels)};
 }
 
-struct Told {
+struct CommandSeen {
   Action action;
   double height_m;
-  bool operator==(const Told&) const = default;
+  bool operator==(const CommandSeen&) const = default;
 };
-using Commands = std::vector<Told>;
+using Commands = std::vector<CommandSeen>;
 
-std::string in_words(const Told& told) {
-  switch (told.action) {
+std::string in_words(const CommandSeen& seen) {
+  switch (seen.action) {
     case Action::none:
       return "none";
     case Action::down:
@@ -79,9 +79,9 @@ std::string in_words(const Told& told) {
     case Action::up:
       return "up";
     case Action::absolute:
-      return fmt::format("a jump to {} m", told.height_m);
+      return fmt::format("a jump to {} m", seen.height_m);
   }
-  return fmt::format("action {}", static_cast<int>(told.action));
+  return fmt::format("action {}", static_cast<int>(seen.action));
 }
 
 /// The first command that differs, in words; empty if none does.
@@ -221,11 +221,11 @@ class Kit {
         fmt::format("commands {} for step {}: {}", in_words(flown.commands.back()), flown.commands.size(), objection);
   }
 
-  [[nodiscard]] std::string objection_to(const Told& told, const FlightInfo& info) const {
-    if (told.action == Action::down || told.action == Action::hold || told.action == Action::up) return {};
-    if (told.action != Action::absolute) return "it is none of down, hold and up";
+  [[nodiscard]] std::string objection_to(const CommandSeen& seen, const FlightInfo& info) const {
+    if (seen.action == Action::down || seen.action == Action::hold || seen.action == Action::up) return {};
+    if (seen.action != Action::absolute) return "it is none of down, hold and up";
     if (!type_.unconstrained) return "its type is not declared unconstrained";
-    if (told.height_m >= info.height_min_m && told.height_m <= info.height_max_m) return {};
+    if (seen.height_m >= info.height_min_m && seen.height_m <= info.height_max_m) return {};
     return fmt::format("the limits are {} to {} m", info.height_min_m, info.height_max_m);
   }
 
@@ -242,15 +242,15 @@ class Kit {
     }
   }
 
-  Flown fly_fresh(SyntheticMap& map, const Pilot& pilot = fly_as_told) { return fly(map, *spec_.make(), pilot); }
+  Flown fly_fresh(SyntheticMap& map, const Pilot& pilot = fly_as_commanded) { return fly(map, *spec_.make(), pilot); }
 
   std::string check_repeatable() {
-    for (const auto& pilot : {fly_as_told, fly_half_as_told, fly_to_both_limits, fly_by_jumps}) {
+    for (const auto& pilot : {fly_as_commanded, fly_half_as_commanded, fly_to_both_limits, fly_by_jumps}) {
       const Commands first = fly_fresh(map_, pilot).commands;
       const std::string off = difference(fly_fresh(map_, pilot).commands, first);
       if (!off.empty())
         return fmt::format(
-            "the same flight again {}: an agent must be a pure function of what it is told, without a clock, global "
+            "the same flight again {}: an agent must be a pure function of the calls to it, without a clock, global "
             "state or other randomness than that of its flight's seed and trial",
             off);
     }
@@ -282,11 +282,11 @@ class Kit {
   std::string check_later_flight() {
     if (options_.lifelong) return {};
     std::vector<Earlier> flights = earlier_flights();
-    for (const auto& pilot : {fly_as_told, fly_half_as_told}) {
+    for (const auto& pilot : {fly_as_commanded, fly_half_as_commanded}) {
       const Commands expected = fly_fresh(map_, pilot).commands;
       for (Earlier& earlier : flights) {
         const auto agent = spec_.make();
-        fly(earlier.map, *agent, fly_half_as_told, earlier.flight_seed, earlier.stop);
+        fly(earlier.map, *agent, fly_half_as_commanded, earlier.flight_seed, earlier.stop);
         const std::string off = difference(fly(map_, *agent, pilot).commands, expected);
         if (!off.empty())
           return fmt::format(
@@ -338,7 +338,7 @@ class Kit {
 
   std::string check_checkpoints() {
     const auto agent = spec_.make();
-    const Commands expected = fly(map_, *agent, fly_half_as_told).commands;
+    const Commands expected = fly(map_, *agent, fly_half_as_commanded).commands;
     const std::string state_at_end = agent->save_state();
     for (const std::uint32_t stop : {0U, 1U, options_.steps / 2, options_.steps - 1}) {
       const Interrupted flight = fly_interrupted(stop);
@@ -375,7 +375,7 @@ class Kit {
         if (const std::string problem = move_state(*agent, *fresh); !problem.empty()) return {{}, "", problem};
         agent = std::move(fresh);
       }
-      flight.step(fly_half_as_told(command_, flight.observation().step), "pilot");
+      flight.step(fly_half_as_commanded(command_, flight.observation().step), "pilot");
     }
   }
 
@@ -396,8 +396,8 @@ class Kit {
   std::string check_idle_state() {
     const auto agent = spec_.make();
     agent->restore_state(spec_.make()->save_state());
-    const Commands expected = fly_fresh(map_, fly_half_as_told).commands;
-    const std::string off = difference(fly(map_, *agent, fly_half_as_told).commands, expected);
+    const Commands expected = fly_fresh(map_, fly_half_as_commanded).commands;
+    const std::string off = difference(fly(map_, *agent, fly_half_as_commanded).commands, expected);
     return off.empty() ? "" : "restored from the state of an agent that has never flown, it " + off;
   }
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -61,16 +62,13 @@ std::vector<const AgentTrials*> agents_where(const ConditionTrials& condition,
   return found;
 }
 
-std::uint64_t seed_of(const std::string& what) {
-  return name_hash(what);
-}
 
 /// Mean difference a − b over the trials that both have.
 Comparison difference(std::string what, std::string unit, const AgentTrials& a, const AgentTrials& b, Values values,
                       Interval claimed) {
   std::vector<double> differences;
   for (const auto& [i, k] : pairs(a, b)) differences.push_back(values(a)[i] - values(b)[k]);
-  Interval interval = experiment::bootstrap_ci95(differences, seed_of(what));
+  Interval interval = experiment::bootstrap_ci95(differences, name_hash(what));
   if (!interval.known() && !differences.empty()) interval = {differences.front(), differences.front()};  // all the same
   return {std::move(what), std::move(unit), interval, claimed, differences.size()};
 }
@@ -89,7 +87,7 @@ Comparison relative_gain(std::string what, const AgentTrials& a, const std::vect
     ours.push_back(values.first);
     theirs.push_back(experiment::mean(values.second));
   }
-  const Interval interval = resampled_ci95(ours.size(), seed_of(what), [&](std::span<const std::uint32_t> indices) {
+  const Interval interval = resampled_ci95(ours.size(), name_hash(what), [&](std::span<const std::uint32_t> indices) {
     double sum_ours = 0.0;
     double sum_theirs = 0.0;
     for (const std::uint32_t i : indices) {
@@ -312,17 +310,8 @@ Claim judged(const nlohmann::json& published_claim, const Reading& reading, cons
 }  // namespace
 
 const char* verdict_name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::supported:
-      return "supported";
-    case Verdict::contradicted:
-      return "contradicted";
-    case Verdict::undecided:
-      return "undecided";
-    case Verdict::not_applicable:
-      return "not-applicable";
-  }
-  return "";
+  constexpr std::array names{"supported", "contradicted", "undecided", "not-applicable"};
+  return names.at(static_cast<std::size_t>(verdict));
 }
 
 Verdict judge(std::span<const Comparison> comparisons) {

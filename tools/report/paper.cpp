@@ -32,18 +32,12 @@ std::string differences_of_world(const json& world) {
   return differences(world, expected);
 }
 
-bool densities_of_the_paper(const ConditionTrials& condition) {
-  const json& worlds = published().at("generated_worlds");
-  return std::any_of(worlds.begin(), worlds.end(), [&](const json& world) {
-    return world.at("bs_density_per_km2") == condition.bs_density_per_km2 &&
-           world.at("building_density_per_km2") == condition.building_density_per_km2;
-  });
-}
 
 std::string why_not_generated(const ConditionTrials& condition) {
   if (const std::string other = differences_of_world(condition.world_parameters); !other.empty())
     return "not the paper's world: " + other;
-  if (!densities_of_the_paper(condition))
+  const json& worlds = published().at("generated_worlds");
+  if (std::none_of(worlds.begin(), worlds.end(), [&](const json& world) { return belongs_to(world, condition); }))
     return fmt::format("the paper has no world with {:g} base stations and {:g} buildings per km²",
                        condition.bs_density_per_km2, condition.building_density_per_km2);
   return "";

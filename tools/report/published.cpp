@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -76,15 +77,8 @@ nlohmann::json not_applicable(const std::string& reason) {
 }
 
 const char* name_of(Agreement agreement) {
-  switch (agreement) {
-    case Agreement::agrees:
-      return "agrees";
-    case Agreement::disagrees:
-      return "disagrees";
-    case Agreement::undecided:
-      return "undecided";
-  }
-  return "";
+  constexpr std::array names{"agrees", "disagrees", "undecided"};
+  return names.at(static_cast<std::size_t>(agreement));
 }
 
 /// Number of trials, to two digits, that would make the interval as narrow as the published value is exact.

@@ -206,8 +206,7 @@ std::size_t condition_to_show(const json& conditions, const std::vector<ReportCo
 nlohmann::json report_data(std::span<const store::ResultStore> runs, const Choice& choice) {
   const std::vector<ReportCondition> conditions = read_conditions(runs);
   const bool several = runs.size() > 1;
-  std::vector<ConditionTrials> all;
-  for (const ReportCondition& condition : conditions) all.push_back(condition.all);
+  const std::vector<ConditionTrials> all = trials_of(conditions, false);
   const std::string learner = published_learner(all);
   json data{{"version", 1},
             {"title", several ? "Adaptive height of cellular-connected UAVs" : runs.front().experiment().name},

@@ -113,18 +113,14 @@ std::string nobody(const StatusOptions& options) {
       options.bus.secure.empty() ? ", secured (--secure)" : ", secured by another authority");
 }
 
-/// One line, cut to the width of the terminal.
-std::string brief_line(const Json& run, std::size_t width) {
-  return cut_to(status::run_line(run), width) + "\n";
-}
-
 /// The text to show; empty if there is no run.
 std::string picture(const StatusOptions& options, const Json& news, bool terminal) {
   if (options.format == "json") return dump(news, options.watch ? -1 : 2);
+  const bool brief = options.table.brief || (options.watch && !terminal);
+  const std::size_t width = options.table.shape().width;
   std::string text;
   for (const Json& run : news["runs"])
-    text += options.table.brief || (options.watch && !terminal) ? brief_line(run, options.table.shape().width)
-                                                                : status::run_text(run, options.table.shape().width);
+    text += brief ? cut_to(status::run_line(run), width) + "\n" : status::run_text(run, width);
   return text;
 }
 

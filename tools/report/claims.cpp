@@ -62,7 +62,6 @@ std::vector<const AgentTrials*> agents_where(const ConditionTrials& condition,
   return found;
 }
 
-
 /// Mean difference a − b over the trials that both have.
 Comparison difference(std::string what, std::string unit, const AgentTrials& a, const AgentTrials& b, Values values,
                       Interval claimed) {

@@ -32,7 +32,6 @@ std::string differences_of_world(const json& world) {
   return differences(world, expected);
 }
 
-
 std::string why_not_generated(const ConditionTrials& condition) {
   if (const std::string other = differences_of_world(condition.world_parameters); !other.empty())
     return "not the paper's world: " + other;

@@ -8,8 +8,8 @@
 
 namespace aloft::bus {
 
-/// Upper ends, in seconds, of the times between a report and its command that a worker counts; a last bucket holds what
-/// is longer. As many as WorkerStatus has room for.
+/// Upper bounds, in seconds, of the buckets in which a worker counts the times from report to command; one more bucket
+/// holds longer times. WorkerStatus has room for exactly these.
 inline constexpr std::array answer_bounds_s{20e-6, 50e-6, 100e-6, 200e-6, 500e-6, 1e-3,   2e-3, 5e-3,
                                             10e-3, 20e-3, 50e-3,  100e-3, 200e-3, 500e-3, 1.0};
 using AnswerCounts = std::array<std::uint64_t, answer_bounds_s.size() + 1>;
@@ -20,8 +20,8 @@ using AnswerCounts = std::array<std::uint64_t, answer_bounds_s.size() + 1>;
                                   answer_bounds_s.begin());
 }
 
-/// A time that at least `share` (0 to 1) of all answers kept within: the upper end of the bucket that holds it,
-/// infinity for the last. NaN without answers.
+/// A time within which at least `share` (0 to 1) of all answers came: the upper bound of a bucket, infinity for the
+/// last one. NaN without answers.
 [[nodiscard]] inline double answered_within_s(const AnswerCounts& counts, double share) noexcept {
   double all = 0.0;
   for (const std::uint64_t count : counts) all += static_cast<double>(count);

@@ -120,7 +120,7 @@ TEST_CASE("a late joiner gets the state, and one sample of a megabyte arrives in
   CHECK(wire::view(sample.experiment_id()) == "0123456789abcdef");
 }
 
-TEST_CASE("what strangers say about a run does not push out what the coordinator says, and who said what is known") {
+TEST_CASE("samples of other writers do not displace the coordinator's, and the writer of each sample is known") {
   const bus::Participant coordinator(place("the-coordinator"));
   const bus::Participant stranger(place("a-stranger"));
   const bus::Participant there(place("there"));
@@ -273,7 +273,7 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
   dds::DataWriter* writer = raw.state()->publisher(bus::Scope::worker).create_datawriter(topic, qos);
   REQUIRE(writer != nullptr);
-  // Both sides must know each other: a volatile sample is for those readers only that its writer knows.
+  // Both sides must know each other: a volatile sample goes only to readers that its writer knows.
   REQUIRE(eventually([&] {
     dds::PublicationMatchedStatus status;
     writer->get_publication_matched_status(status);
@@ -358,7 +358,7 @@ TEST_CASE("a sample that is longer than its type can be gets no memory") {
   CHECK(spoilt.failures().capacity() < 1000);
 }
 
-TEST_CASE("names in a row are a sequence of strings on the wire") {
+TEST_CASE("a sequence of AgentName has the bytes of a sequence of strings on the wire") {
   wire::World world;
   world.agents(wire::names({"dqn", "x"}));
   wire::WorldPubSubType type;
@@ -369,7 +369,7 @@ TEST_CASE("names in a row are a sequence of strings on the wire") {
   CHECK(std::search(payload.data, payload.data + payload.length, sequence.begin(), sequence.end()) != end);
 }
 
-TEST_CASE("the future stays in the privileged partition, and workers do not hear each other") {
+TEST_CASE("the future stays in the privileged partition, and workers do not receive each other's samples") {
   const bus::Participant channel(place("channel", "w0"));
   const bus::Participant privileged(place("privileged", "w0"));
   const bus::Participant other_worker(place("other", "w1"));
@@ -400,7 +400,7 @@ TEST_CASE("the future stays in the privileged partition, and workers do not hear
   CHECK(blind->get_unread_count() == 0);
 }
 
-TEST_CASE("the strongest live writer is heard; the next one takes over when it dies") {
+TEST_CASE("readers get the strongest live writer; the next one takes over when it dies") {
   const bus::Participant channel(place("channel"));
   bus::Reader<wire::HeightCommand> reader(channel);
   const bus::Participant weak(place("weak"));
@@ -417,7 +417,7 @@ TEST_CASE("the strongest live writer is heard; the next one takes over when it d
   REQUIRE(take_within(reader, sample));
   CHECK(sample.step() == 3);
 
-  // The owner falls silent without saying so: its liveliness runs out after half a second.
+  // The owner falls silent without a message: its liveliness expires after half a second.
   CHECK(eventually([&] {
     standby.assert_liveliness();
     standby.write(command(0, 4));

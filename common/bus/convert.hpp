@@ -6,7 +6,7 @@
 #include "common/bus/wire.hpp"
 #include "common/world/world.hpp"
 
-/// Between what is on the wire and what the domain code knows.
+/// Conversions between the types on the wire and the types of the domain.
 namespace aloft::bus {
 
 void put(wire::ChannelReport& report, const agents::FlightInfo& flight);

@@ -63,7 +63,7 @@ class CheckedType : public Generated {
 
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
     // Fast CDR gives a sequence no more elements than there are bytes left: so a payload that is no larger than the
-    // type cannot ask for much memory. (Sequences of texts are another matter: idl/world.idl, AgentName.)
+    // type cannot ask for much memory. (Sequences of strings can: see AgentName in idl/world.idl.)
     if (payload->length > this->m_typeSize) {
       drops_.malformed("longer than its type");
       return false;
@@ -95,7 +95,7 @@ class CheckedType : public Generated {
 };
 
 /// Owns the middleware's participant and, made when first needed, one publisher and subscriber per scope and one topic
-/// per type. A thread of its own brings processes together that have lost each other
+/// per type. A thread of its own restores the connections of processes that lost each other
 /// (middleware/rediscovery.hpp).
 struct Participant::State {
   explicit State(const BusOptions& options);

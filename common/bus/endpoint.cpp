@@ -36,7 +36,7 @@ std::string not_created(const char* what, const TopicSettings& settings, const B
 
 constexpr std::chrono::milliseconds max_blocking_time{1000};
 
-/// What writers and readers have in common; the two sides must agree to be matched.
+/// The quality of service that writers and readers share: the middleware matches them only if it agrees.
 template <class Qos>
 void apply(const TopicSettings& settings, Qos& qos) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;

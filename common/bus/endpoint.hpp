@@ -13,7 +13,7 @@
 namespace aloft::bus {
 
 struct WriterOptions {
-  std::uint32_t strength = 1;  ///< on topics with exclusive ownership: the strongest live writer is heard
+  std::uint32_t strength = 1;  ///< with exclusive ownership, readers get samples of the strongest live writer
 };
 
 /// Publishes one topic. T is a type of idl/; its topic, partition and quality of service come from topics.def.
@@ -36,9 +36,9 @@ class Writer {
 
   /// Readers known now.
   [[nodiscard]] std::size_t matched() const;
-  /// Says "I am alive" on a topic with exclusive ownership; from any thread.
+  /// Proves that this writer is alive, on a topic with exclusive ownership; from any thread.
   void assert_liveliness();
-  /// Hands the flight over (or takes it): see WriterOptions::strength. From any thread.
+  /// Changes WriterOptions::strength, to hand a flight over or to take it over. From any thread.
   void set_strength(std::uint32_t strength);
   /// True once every known reader has everything.
   bool wait_acknowledged(std::chrono::milliseconds limit);
@@ -71,9 +71,10 @@ class Reader {
   /// Writers known now.
   [[nodiscard]] std::size_t matched() const;
   [[nodiscard]] Drops drops() const;
-  /// Who wrote the sample that was taken last, as it says: its name, its address, and an id that no two writers share.
+  /// The writer of the sample that was taken last: name and address, both unverified, and an id that no two writers
+  /// share.
   [[nodiscard]] std::string sender() const;
-  /// Counts and logs a sample that only the caller could tell to be bad.
+  /// Counts and logs a sample as invalid that passed the limits, but not the checks of the caller.
   void drop(const char* why);
 
  private:

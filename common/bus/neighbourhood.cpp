@@ -15,27 +15,27 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
-/// As the middleware writes it.
+/// The id of a participant, as the middleware writes it in its log.
 std::string text(const rtps::GuidPrefix_t& participant) {
   std::ostringstream stream;
   stream << participant;
   return stream.str();
 }
 
-/// Everybody whom this process has heard of, by the text that the middleware writes for a participant in its log.
-class Acquaintances {
+/// All participants that this process has discovered, by the ids that the middleware writes in its log.
+class KnownParticipants {
  public:
-  void meet(const rtps::GuidPrefix_t& participant, std::string name) {
+  void add(const rtps::GuidPrefix_t& participant, std::string name) {
     const std::lock_guard lock(mutex_);
     if (known_.size() >= max_known) known_.clear();
-    known_.try_emplace(text(participant), Acquaintance{std::move(name), {}});
+    known_.try_emplace(text(participant), Known{std::move(name), {}});
   }
   std::string name(const std::string& participant) {
     const std::lock_guard lock(mutex_);
     const auto at = known_.find(participant);
-    return at == known_.end() ? "somebody who is gone" : at->second.name;
+    return at == known_.end() ? "a process that is gone" : at->second.name;
   }
-  /// Says in the log that somebody is refused, for each reason once.
+  /// Logs that a participant is refused, once for each.
   void refuse(const rtps::GuidPrefix_t& participant, const std::string& why) {
     const std::lock_guard lock(mutex_);
     const auto at = known_.find(text(participant));
@@ -45,19 +45,19 @@ class Acquaintances {
   }
 
  private:
-  struct Acquaintance {
+  struct Known {
     std::string name;
     bool refused = false;
   };
   static constexpr std::size_t max_known = 4096;
 
   std::mutex mutex_;
-  std::map<std::string, Acquaintance> known_;
+  std::map<std::string, Known> known_;
 };
 
-Acquaintances& acquaintances() {
-  static Acquaintances everybody;
-  return everybody;
+KnownParticipants& known_participants() {
+  static KnownParticipants known;
+  return known;
 }
 
 std::string property(const rtps::IdentityToken& token, const char* name) {
@@ -65,7 +65,8 @@ std::string property(const rtps::IdentityToken& token, const char* name) {
   return value == nullptr ? "" : *value;
 }
 
-/// "'aloft-channel-w0' at 10.0.0.7", and whose certificate it shows if it shows one. All as it says: nothing is proven.
+/// "'aloft-channel-w0' at 10.0.0.7", and the holder of the certificate that it shows, if any. Nothing of it is
+/// verified.
 std::string introduction(const rtps::ParticipantProxyData& data) {
   std::string text = fmt::format("'{}'", data.m_participantName.c_str());
   if (!data.default_locators.unicast.empty())
@@ -89,23 +90,23 @@ void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participa
     rediscovery_.fell_silent(data.m_guid.guidPrefix, Rediscovery::Clock::now());
   }
   if (info.status != Info::DISCOVERED_PARTICIPANT) return;
-  spdlog::debug("hears {}", introduction(data));
+  spdlog::debug("discovered {}", introduction(data));
   rediscovery_.heard(data.m_guid.guidPrefix, introduction(data), Rediscovery::Clock::now());
-  if (thread_ != nullptr) thread_->somebody_is_back();
-  acquaintances().meet(data.m_guid.guidPrefix, introduction(data));
+  if (thread_ != nullptr) thread_->peer_is_back();
+  known_participants().add(data.m_guid.guidPrefix, introduction(data));
   if (authority_.empty()) return;
-  // Which side the middleware tells of a failed handshake depends on which of them began it: so look beforehand.
+  // The middleware reports a failed handshake to one side only, depending on which began it: so check here as well.
   if (data.identity_token_.class_id().empty())
-    acquaintances().refuse(data.m_guid.guidPrefix, "shows no certificate (started without --secure?)");
+    known_participants().refuse(data.m_guid.guidPrefix, "shows no certificate (started without --secure?)");
   else if (property(data.identity_token_, "dds.ca.sn").find(authority_) == std::string::npos)
-    acquaintances().refuse(data.m_guid.guidPrefix, "shows a certificate of another authority");
+    known_participants().refuse(data.m_guid.guidPrefix, "shows a certificate of another authority");
 }
 
 void Neighbourhood::onParticipantAuthentication(dds::DomainParticipant* /*participant*/,
                                                 rtps::ParticipantAuthenticationInfo&& info) {
   if (info.status == rtps::ParticipantAuthenticationInfo::UNAUTHORIZED_PARTICIPANT)
-    acquaintances().refuse(info.guid.guidPrefix,
-                           "cannot prove who it is, or its certificate or permissions are not valid");
+    known_participants().refuse(info.guid.guidPrefix,
+                                "cannot prove who it is, or its certificate or permissions are not valid");
 }
 
 void Neighbourhood::on_subscriber_discovery(dds::DomainParticipant* participant, rtps::ReaderDiscoveryInfo&& info) {
@@ -115,7 +116,7 @@ void Neighbourhood::on_subscriber_discovery(dds::DomainParticipant* participant,
   rediscovery_.found(reader, Rediscovery::Kind::reader);
   const rtps::GuidPrefix_t& self = participant->guid().guidPrefix;
   if (rediscovery_.asks(reader.guidPrefix, info.info.m_qos.m_userData.getValue(), self) && thread_ != nullptr)
-    thread_->somebody_asks();
+    thread_->peer_asks();
 }
 
 void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
@@ -148,7 +149,7 @@ std::string Neighbourhood::name_of(const rtps::GuidPrefix_t& participant) {
 }
 
 std::string Neighbourhood::name_of(const std::string& participant) {
-  return acquaintances().name(participant);
+  return known_participants().name(participant);
 }
 
 }  // namespace aloft::bus

@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside common/bus only: who else is in the domain.
+// Inside common/bus only: the other participants of the domain.
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <map>
@@ -13,20 +13,20 @@
 
 namespace aloft::bus {
 
-/// Notes who else is there; the middleware calls it from its own threads. In a secured run it names in the log whom the
-/// middleware refuses, once each.
+/// Keeps track of the other participants; the middleware calls it from its own threads. In a secured run it logs each
+/// participant that the middleware refuses, once.
 class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
  public:
-  /// Whose certificates are taken (KeyFiles::authority); empty: the run is not secured.
+  /// The authority whose certificates are accepted (KeyFiles::authority); empty: the run is not secured.
   void expect_authority(std::string name) { authority_ = std::move(name); }
-  /// Is told when somebody is back or asks for our endpoints. To be set beforehand.
+  /// Sets the thread to notify when a peer is back or asks for our endpoints; to be called before discovery begins.
   void tell(RediscoveryThread& thread) { thread_ = &thread; }
   [[nodiscard]] Rediscovery& rediscovery() noexcept { return rediscovery_; }
   /// Names of the runs of which a writer is known, sorted.
   [[nodiscard]] std::vector<std::string> runs() const;
-  /// "'aloft-channel-w0' at 10.0.0.7", as it says.
+  /// "'aloft-channel-w0' at 10.0.0.7", unverified.
   [[nodiscard]] static std::string name_of(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
-  /// By the text that the middleware writes for a participant in its log.
+  /// The same by the id that the middleware writes in its log.
   [[nodiscard]] static std::string name_of(const std::string& participant);
 
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant* participant,
@@ -46,7 +46,7 @@ class Neighbourhood : public eprosima::fastdds::dds::DomainParticipantListener {
   std::map<eprosima::fastrtps::rtps::GUID_t, std::string> runs_;  // by writer
 };
 
-/// The partition of a run begins with it.
+/// The partition of every run begins with this.
 inline constexpr std::string_view partition_root = "aloft/";
 
 }  // namespace aloft::bus

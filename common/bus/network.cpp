@@ -127,8 +127,7 @@ void check_can_listen(const Endpoint& endpoint) {
   close(socket_fd);
   if (error != 0)
     throw InputError(
-        fmt::format("cannot listen on {}:{}: {}; every run needs a port of its own, on an address of this "
-                    "machine",
+        fmt::format("cannot listen on {}:{}: {}; every run needs a port of its own, on an address of this machine",
                     endpoint.address, endpoint.port, std::generic_category().message(error)));
 }
 

@@ -12,7 +12,7 @@ struct Endpoint {
   std::uint16_t port = 0;
 };
 
-/// The address of this machine that "10.0.0.1" or "eth0" names. InputError, listing those there are, if there is none.
+/// The address of this machine that "10.0.0.1" or "eth0" names. InputError, listing all addresses, if there is none.
 [[nodiscard]] std::string local_address(const std::string& address_or_interface);
 
 [[nodiscard]] bool is_local_address(const std::string& address);

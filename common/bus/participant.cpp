@@ -32,10 +32,10 @@ namespace {
 constexpr int max_domain = 101;
 constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
 constexpr std::chrono::milliseconds server_ping_period{200};
-// Clients address the server by its name too. One name will do: a run has one server, a server one run.
+// Clients address the server also by its GUID prefix, which can be the same in all runs: a server serves one run.
 constexpr const char* server_prefix = "44.53.00.5f.61.6c.6f.66.74.00.00.01";
 
-/// Settings that hold for the whole process and must stand before the first participant.
+/// Settings of the whole process, which must be made before the first participant.
 void prepare_middleware() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -47,7 +47,7 @@ void prepare_middleware() {
   });
 }
 
-/// A name may be missing: of a worker, outside of one.
+/// A name can be empty: processes outside workers have no name of a worker.
 void check_name(std::string_view what, const std::string& name) {
   const std::string objection = name.empty() ? "" : name_objection(name);
   if (!objection.empty()) throw InputError(fmt::format("{} name '{}': use {}", what, excerpt(name), objection));
@@ -108,7 +108,7 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = duration(longest_standstill(options).value_or(options.lease));
-  // Everybody tells everybody: with n processes on a host, n * n messages per period, also while nothing is flown.
+  // Every process announces itself to every other: n * n messages per period on a host, also while nothing is flown.
   discovery.leaseDuration_announcementperiod = duration(options.lease / 3);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = duration(std::chrono::milliseconds(50));
@@ -167,12 +167,11 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
   prepare_middleware();
   dds::DomainParticipantQos qos = participant_qos(options);
   if (!options.secure.empty()) {
-    // A secured participant's address on the wire comes from its certificate, a server's is fixed.
+    // The GUID prefix of a secured participant is derived from its certificate, that of a server is fixed.
     if (!options.discovery_server.empty())
       throw InputError(
           "--secure and --discovery-server cannot be combined: use multicast on a network of the run's own, or leave "
-          "one "
-          "of them out");
+          "one of them out");
     const security::KeyFiles files = security::check_keys(options.secure, options.role);
     neighbourhood.expect_authority(files.authority);
     secure(files, qos);
@@ -201,7 +200,7 @@ void Participant::State::ask(const Rediscovery::Question& question) {
   readers.front()->set_qos(qos);
 }
 
-/// Setting what is set already announces every writer and reader again.
+/// Setting an unchanged quality of service makes the middleware announce every writer and reader again.
 void Participant::State::announce() {
   const std::lock_guard lock(mutex);
   for (dds::Publisher* publisher : publishers)

@@ -13,15 +13,15 @@
 
 namespace aloft::bus {
 
-/// Processes that are sure to find room in a domain: DDS has ports for 120 on a host, and a secured process can begin
-/// 100 handshakes.
+/// The number of processes that a domain has room for in any case: DDS has ports for 120 on a host, and a secured
+/// process can begin 100 handshakes.
 inline constexpr unsigned max_processes = 100;
 
-/// What the name of a run or a worker must be like if this one will not do, as a part of a message: names stand in
-/// partitions, file names and logs. Empty: it will do.
+/// Empty if `name` can be the name of a run or a worker; else the rule for such names, as a part of a message. Names
+/// are parts of partitions, file names and logs.
 [[nodiscard]] std::string name_objection(std::string_view name);
 
-/// Where a process stands on the bus.
+/// The place of a process on the bus.
 struct BusOptions {
   std::string run = "default";  ///< partition of the run: see name_objection
   std::string worker;           ///< partition of the worker, e.g. "w0"; empty: coordinator, metrics, command line
@@ -31,15 +31,15 @@ struct BusOptions {
   std::vector<std::string> interfaces{"127.0.0.1"};
   std::string discovery_server{};  ///< "HOST:PORT" of the server that introduces processes; empty: multicast
   bool serves_discovery = false;   ///< this process is that server
-  std::filesystem::path
-      secure{};  ///< folder with the keys (common/security/keys.hpp); empty: neither authentication nor encryption
+  /// Folder with the keys (common/security/keys.hpp); empty: neither authentication nor encryption.
+  std::filesystem::path secure{};
   Role role = Role::observer;  ///< in a secured run
   /// A process that is silent for this long is forgotten; not in a secured run, and not with a discovery server.
   std::chrono::milliseconds lease{1500};
 };
 
-/// Who stands still for longer than this is forgotten for good, and must be started again; none: the others take it in
-/// again however long it was.
+/// A process that stands still for longer than this is not accepted by its peers again, and must be restarted; nullopt:
+/// it is accepted again after any time.
 [[nodiscard]] std::optional<std::chrono::milliseconds> longest_standstill(const BusOptions& options) noexcept;
 
 /// Samples of one topic that were refused in this process.
@@ -60,7 +60,7 @@ class Participant {
   [[nodiscard]] const BusOptions& options() const noexcept;
   /// Drops over all topics.
   [[nodiscard]] std::uint64_t drops() const;
-  /// Names of the runs in this domain of which a process is heard now, sorted; it takes up to 0.5 s to hear them all.
+  /// Names of the runs in this domain of which a process is known now, sorted; it takes up to 0.5 s to discover all.
   [[nodiscard]] std::vector<std::string> runs() const;
   /// Names and addresses of processes that may be back soon: silent for less than `patience` and not replaced, or back
   /// a moment ago, so that perhaps not all of their readers are known.

@@ -10,14 +10,14 @@ using security::all_roles;
 using security::permissions_xml;
 using security::role_from_text;
 
-TEST_CASE("every topic names who writes and who reads it", "[permissions]") {
+TEST_CASE("every topic names the roles that write and read it", "[permissions]") {
   CHECK(all_topics().size() >= 15);
   for (const TopicSettings* topic : all_topics()) {
     INFO(topic->name);
     CHECK(topic->writers.bits != 0);
     CHECK(topic->readers.bits != 0);
   }
-  // Who steers a run, and who flies.
+  // The roles that steer a run, and those that fly.
   for (const Role role : all_roles) {
     INFO(to_text(role));
     CHECK(topic_settings<wire::TrialAssignment>().writers.contain(role) == (role == Role::coordinator));
@@ -32,7 +32,7 @@ TEST_CASE("every topic names who writes and who reads it", "[permissions]") {
   CHECK_THROWS_WITH(role_from_text("pilot"), Contains("'pilot'") && Contains("learning-agent"));
 }
 
-TEST_CASE("permissions are the table of topics, seen from one role", "[permissions]") {
+TEST_CASE("the permissions of a role are its rights in the table of topics", "[permissions]") {
   const std::string text = permissions_xml({.role = Role::environment, .name = "x"}, topic_rights(Role::environment),
                                            "CN=x,OU=environment,O=Aloft");
   CHECK_THAT(text, Contains("<subject_name>CN=x,OU=environment,O=Aloft</subject_name>"));

@@ -5,7 +5,8 @@
 namespace aloft::bus {
 namespace {
 
-// Of a stranger's RunControl beside the coordinator's, for which a process that starts late waits.
+// RunControl samples of other writers that a reader keeps beside the coordinator's: a process that starts late waits
+// for the coordinator's.
 constexpr int strangers_samples = 15;
 
 constexpr Roles coordinator = Role::coordinator;

@@ -12,7 +12,7 @@ namespace aloft::bus {
 using security::Role;
 using security::Roles;
 
-/// Who hears a topic: the whole run, one worker, or those in one worker that may see the future.
+/// Where a topic is received: in the whole run, in one worker, or by the agents of one worker that may see the future.
 enum class Scope { run, worker, privileged };
 
 /// What a row of the table of topics (topics.def) says beside the limits of a sample: every decision about a topic's
@@ -25,15 +25,15 @@ struct TopicSettings {
   bool transient_local = false;  ///< late joiners get the last samples
   int depth = 1;                 ///< samples kept per key; the oldest gives way, so that write() never waits
   int keys = 1;                  ///< live keys; 1: the type has no key
-  bool exclusive = false;        ///< only the strongest live writer of a key is heard; it proves life every 500 ms
-  int spare = 0;                 ///< samples per key that readers keep beyond `depth`: one writer displaces no other's
+  bool exclusive = false;        ///< readers get only the strongest live writer of a key; liveliness: 500 ms
+  int spare = 0;                 ///< more samples per key at readers, so that writers do not displace each other's
 };
 
 /// The settings of a wire type's topic.
 template <class T>
 [[nodiscard]] const TopicSettings& topic_settings() noexcept;
 
-/// Those of all topics, in the order of topics.def.
+/// The settings of all topics, in the order of topics.def.
 [[nodiscard]] std::vector<const TopicSettings*> all_topics();
 /// What `role` may write and read in a secured run.
 [[nodiscard]] security::TopicRights topic_rights(Role role);

@@ -41,7 +41,7 @@ std::string table_of_roles() {
   return table;
 }
 
-/// Where it stands in the text of the document.
+/// The position of the table in the document.
 std::pair<std::size_t, std::size_t> place_of_table(const std::string& text) {
   const std::size_t begin = text.find("| role |");
   const std::size_t end = text.find("\n\n", begin) + 1;

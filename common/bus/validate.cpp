@@ -89,7 +89,7 @@ const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
   return nullptr;
 }
 
-const char* news_error(const std::vector<wire::AgentNews>& agents) noexcept {
+const char* agents_error(const std::vector<wire::AgentNews>& agents) noexcept {
   for (const wire::AgentNews& agent : agents) {
     if (!known(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
     if (!amount(agent.silent_s())) return "silent_s of an agent out of range";
@@ -99,7 +99,7 @@ const char* news_error(const std::vector<wire::AgentNews>& agents) noexcept {
 
 /// One thing that must hold for a sample.
 struct Limit {
-  const char* error;  // null: it does
+  const char* error;  // null: it holds
 
   Limit(bool holds, const char* otherwise) noexcept : error(holds ? nullptr : otherwise) {}
   Limit(const char* wrong) noexcept : error(wrong) {}  // NOLINT: as it is called in topics.def

@@ -1,4 +1,4 @@
-// What a process of a secured run takes in.
+// What a process of a secured run accepts.
 #include "common/bus/middleware/clear_text_filter.hpp"
 
 #include <catch2/catch.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 using Bytes = std::vector<unsigned char>;
 
-/// A message of these submessages, from somebody.
+/// Whether a message of these submessages, from any sender, is permitted.
 bool permitted(std::initializer_list<Bytes> submessages) {
   Bytes message{'R', 'T', 'P', 'S', 2, 2, 1, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   for (const Bytes& submessage : submessages) message.insert(message.end(), submessage.begin(), submessage.end());
@@ -45,7 +45,7 @@ TEST_CASE("introductions and what is encrypted are permitted") {
   CHECK(permitted({time_stamp, encrypted, encrypted, time_stamp, encrypted}));
 }
 
-TEST_CASE("clear text is not permitted, wherever it hides") {
+TEST_CASE("clear text is not permitted at any place in a message") {
   CHECK_FALSE(permitted({data(of_a_user)}));
   CHECK_FALSE(permitted({data(of_a_user, true)}));
   CHECK_FALSE(permitted({data(of_a_user, false, false)}));
@@ -55,7 +55,8 @@ TEST_CASE("clear text is not permitted, wherever it hides") {
   CHECK_FALSE(permitted({time_stamp, data(announcement), data(of_a_user)}));
   CHECK_FALSE(permitted({encrypted, data(of_a_user)}));
   CHECK_FALSE(permitted({no_time_stamp, data(of_a_user)}));
-  // Another sender's name inside the message; a key for all messages of a process; loss that did not happen.
+  // INFO_SRC, which changes the sender; SRTPS_PREFIX, one key for all messages of a process; then forged
+  // acknowledgements, heartbeats and gaps.
   CHECK_FALSE(permitted({Bytes{0x0c, 1, 4, 0, 0, 0, 0, 0}, encrypted}));
   CHECK_FALSE(permitted({Bytes{0x33, 1, 4, 0, 9, 9, 9, 9}}));
   for (const unsigned char kind : Bytes{0x06, 0x07, 0x08, 0x12, 0x13})

@@ -1,12 +1,12 @@
 #pragma once
 
 // Defaults of Fast DDS that lose data, hang, or let the working directory change a run; 2.9.1 and 3.3.0 have them:
-// - a reliable writer asks its readers every 3 s what they miss: one that fills its history stalls at 150 messages a
-// second;
+// - a reliable writer asks its readers every 3 s what they miss: one that fills its history stalls at 150 messages/s;
 // - 10 keys: for the 11th, write() returns false;
 // - no sample allocated beforehand (allocated_samples = 0) makes early writes fail;
 // - a DEFAULT_FASTRTPS_PROFILES.xml in the working directory is loaded.
-// No faults upstream, but documented. The first three are seen by "many keys: none is lost" in common/bus/bus_test.cpp.
+// Upstream documents them and does not count them as faults. The first three are seen by "many keys: none is lost" in
+// common/bus/bus_test.cpp.
 
 #include <algorithm>
 #include <chrono>

@@ -3,7 +3,7 @@
 // Fault of Fast DDS 2.9.1: liveliness AUTOMATIC and MANUAL_BY_PARTICIPANT never notice a dead process while any other
 // participant lives.
 // Upstream: issue 4373; 3.1.2 notices after the lease.
-// Can go when "the strongest live writer is heard" in common/bus/bus_test.cpp passes with AUTOMATIC.
+// Can go when "readers get the strongest live writer" in common/bus/bus_test.cpp passes with AUTOMATIC.
 
 #include <chrono>
 #include <fastdds/dds/core/policy/QosPolicies.hpp>
@@ -12,7 +12,7 @@
 
 namespace aloft::bus {
 
-/// Writers with this policy must say that they live (Writer::assert_liveliness); who does not for 500 ms is dead.
+/// Writers with this policy must call Writer::assert_liveliness; one that does not for 500 ms counts as dead.
 inline void notice_dead_writers(eprosima::fastdds::dds::LivelinessQosPolicy& liveliness) {
   liveliness.kind = eprosima::fastdds::dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
   liveliness.lease_duration = duration(std::chrono::milliseconds(500));

@@ -1,6 +1,6 @@
 #pragma once
 
-// No repair, but what two of them stand on: a transport that lets a function of ours see what arrives.
+// The base of two repairs, itself none: a transport that passes every arriving message to a function of ours.
 
 #include <fastdds/rtps/common/Locator.h>
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
@@ -13,12 +13,13 @@ namespace aloft::bus {
 
 using Transport = std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>;
 
-/// A message that has arrived from `remote`, and what hands it to the middleware. Called by several threads at a time.
+/// Gets a message that arrived from `remote`, and `deliver`, which hands it to the middleware. Called by several
+/// threads at a time.
 using Receive =
     std::function<void(const unsigned char* bytes, std::uint32_t size,
                        const eprosima::fastrtps::rtps::Locator_t& remote, const std::function<void()>& deliver)>;
 
-/// `below`, of which `receive` sees every message first.
+/// `below`, with every arriving message passed to `receive` first.
 [[nodiscard]] Transport receiving_through(Receive receive, Transport below);
 
 }  // namespace aloft::bus

@@ -9,14 +9,14 @@
 namespace aloft::bus {
 namespace {
 
-// The list usually comes within 0.1 s.
+// The list of endpoints usually comes within 0.1 s.
 constexpr std::chrono::milliseconds first_patience{500};
-constexpr unsigned max_times_asked =
-    8;  // in four minutes: it does not know this protocol, or has no endpoints any more
+// Takes four minutes; a peer that has not answered then does not know this protocol, or has no endpoints any more.
+constexpr unsigned max_times_asked = 8;
 constexpr std::chrono::milliseconds period{200};  // between two questions or announcements
 constexpr std::size_t max_peers = 4096;
 constexpr std::size_t max_asked = 64;
-// A question: this text, and for each who is asked its 12 bytes and the number of the question.
+// A question is this text, and for each process that is asked its 12 bytes and the number of the question.
 constexpr std::string_view question_mark = "aloft-who-are-you:";
 constexpr std::size_t number_bytes = 4;
 constexpr std::size_t entry_bytes = Rediscovery::Process::size + number_bytes;
@@ -28,7 +28,7 @@ void append(Rediscovery::Question& question, const Rediscovery::Process& process
 
 }  // namespace
 
-Rediscovery::Peer& Rediscovery::peer(const Process& process) {
+Rediscovery::Peer& Rediscovery::peer_of(const Process& process) {
   if (peers_.size() >= max_peers && !peers_.contains(process))
     std::erase_if(peers_, [](const auto& entry) { return entry.second.gone; });
   return peers_[process];
@@ -36,21 +36,21 @@ Rediscovery::Peer& Rediscovery::peer(const Process& process) {
 
 void Rediscovery::heard(const Process& process, const std::string& name, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  Peer& who = peer(process);
-  who.name = name;
-  who.silent_since.reset();
-  if (!std::exchange(who.gone, false)) return;
-  who.times_asked = 0;
-  who.due = now + first_patience;
+  Peer& peer = peer_of(process);
+  peer.name = name;
+  peer.silent_since.reset();
+  if (!std::exchange(peer.gone, false)) return;
+  peer.times_asked = 0;
+  peer.due = now + first_patience;
 }
 
 Rediscovery::Peer& Rediscovery::forget(const Process& process) {
-  Peer& who = peer(process);
-  who.gone = true;
-  who.due.reset();
-  who.writers.clear();
-  who.readers.clear();
-  return who;
+  Peer& peer = peer_of(process);
+  peer.gone = true;
+  peer.due.reset();
+  peer.writers.clear();
+  peer.readers.clear();
+  return peer;
 }
 
 void Rediscovery::left(const Process& process) {
@@ -65,9 +65,9 @@ void Rediscovery::fell_silent(const Process& process, Clock::time_point now) {
 
 void Rediscovery::found(const Endpoint& endpoint, Kind kind) {
   const std::lock_guard lock(mutex_);
-  Peer& who = peer(endpoint.guidPrefix);
-  (kind == Kind::writer ? who.writers : who.readers).insert(endpoint);
-  (kind == Kind::writer ? who.had_writers : who.had_readers) = true;
+  Peer& peer = peer_of(endpoint.guidPrefix);
+  (kind == Kind::writer ? peer.writers : peer.readers).insert(endpoint);
+  (kind == Kind::writer ? peer.had_writers : peer.had_readers) = true;
 }
 
 void Rediscovery::removed(const Endpoint& endpoint, Kind kind) {
@@ -86,20 +86,20 @@ std::optional<Rediscovery::Question> Rediscovery::question(Clock::time_point now
   Question question(question_mark.begin(), question_mark.end());
   std::size_t asked = 0;
   bool is_new = false;
-  for (auto& [process, who] : peers_) {
-    if (!who.due || asked == max_asked) continue;
-    if (now >= *who.due) {
-      if (who.complete() || who.times_asked == max_times_asked) {
-        who.due.reset();
+  for (auto& [process, peer] : peers_) {
+    if (!peer.due || asked == max_asked) continue;
+    if (now >= *peer.due) {
+      if (peer.complete() || peer.times_asked == max_times_asked) {
+        peer.due.reset();
         continue;
       }
-      who.due = now + first_patience * (1U << ++who.times_asked);
-      who.number = ++last_number_;
+      peer.due = now + first_patience * (1U << ++peer.times_asked);
+      peer.number = ++last_number_;
       is_new = true;
-      spdlog::info("{} is back, but what it reads or writes is not known: asks it", who.name);
+      spdlog::info("{} is back, but its readers or writers are not known: asking for them", peer.name);
     }
-    if (who.times_asked == 0) continue;
-    append(question, process, who.number);
+    if (peer.times_asked == 0) continue;
+    append(question, process, peer.number);
     ++asked;
   }
   return is_new ? std::optional(std::move(question)) : std::nullopt;
@@ -125,12 +125,12 @@ bool Rediscovery::asks(const Process& asker, const Question& question, const Pro
 std::vector<std::string> Rediscovery::absent(Clock::duration patience, Clock::time_point now) const {
   const std::lock_guard lock(mutex_);
   std::set<std::string_view> present;
-  for (const auto& [process, who] : peers_)
-    if (!who.gone) present.insert(who.name);
+  for (const auto& [process, peer] : peers_)
+    if (!peer.gone) present.insert(peer.name);
   std::vector<std::string> names;
-  for (const auto& [process, who] : peers_) {
-    const bool silent = who.silent_since && now - *who.silent_since < patience && !present.contains(who.name);
-    if (silent || who.due) names.push_back(who.name);
+  for (const auto& [process, peer] : peers_) {
+    const bool silent = peer.silent_since && now - *peer.silent_since < patience && !present.contains(peer.name);
+    if (silent || peer.due) names.push_back(peer.name);
   }
   return names;
 }
@@ -140,15 +140,15 @@ RediscoveryThread::RediscoveryThread(Rediscovery& rediscovery, Ask ask, std::fun
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
 }
 
-void RediscoveryThread::somebody_is_back() {
+void RediscoveryThread::peer_is_back() {
   const std::lock_guard lock(mutex_);
-  somebody_is_back_ = true;
+  peer_is_back_ = true;
   changed_.notify_one();
 }
 
-void RediscoveryThread::somebody_asks() {
+void RediscoveryThread::peer_asks() {
   const std::lock_guard lock(mutex_);
-  somebody_asks_ = true;
+  peer_asks_ = true;
   changed_.notify_one();
 }
 
@@ -159,18 +159,18 @@ void RediscoveryThread::end() {
 
 void RediscoveryThread::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return somebody_asks_ || somebody_is_back_; })) {
-    const bool asked = std::exchange(somebody_asks_, false);
-    somebody_is_back_ = false;
+  while (changed_.wait(lock, stop, [this] { return peer_asks_ || peer_is_back_; })) {
+    const bool asked = std::exchange(peer_asks_, false);
+    peer_is_back_ = false;
     lock.unlock();
     if (asked) {
-      spdlog::info("is asked for its endpoints: announces them again");
+      spdlog::info("a peer asked for our endpoints: announcing them again");
       announce_();
     }
     if (const auto question = rediscovery_.question(Rediscovery::Clock::now())) ask_(*question);
     const bool waits = rediscovery_.waits();
     lock.lock();
-    somebody_is_back_ = somebody_is_back_ || waits;  // somebody may have come back meanwhile
+    peer_is_back_ = peer_is_back_ || waits;  // a peer may have come back meanwhile
     changed_.wait_for(lock, stop, period, [] { return false; });
   }
 }

@@ -1,10 +1,10 @@
 #pragma once
 
-// Fault of Fast DDS: two processes that have lost sight of each other may stay half blind. It forgets a process that is
-// silent for longer than its lease, and its writers and readers with it; when the process is heard again, the list of
-// its endpoints has to come again. Where only one of the two had forgotten the other, the list may never come: it was
-// received once, so the other side does not send it again. (A heartbeat that arrives before the first request for the
-// list makes the middleware go wrong.) Upstream: issue 6401; 2.9.1, 3.1.2 and 3.3.0 have it. Can go when
+// Fault of Fast DDS: two processes that lost each other for a while may not get each other's endpoints again. It
+// forgets a process that is silent for longer than its lease, with its writers and readers; when the process is back,
+// the list of its endpoints has to come again. If only one of the two had forgotten the other, the list may never come:
+// it was received once, so the other side does not send it again. (A heartbeat that arrives before the first request
+// for the list makes the middleware go wrong.) Upstream: issue 6401; 2.9.1, 3.1.2 and 3.3.0 have it. Can go when
 // tests/faults/standstill_test.cpp passes with an empty Participant::State::ask.
 //
 // Inside common/bus only.
@@ -25,13 +25,13 @@
 
 namespace aloft::bus {
 
-/// Who is missing whose endpoints, and what to ask whom.
+/// Decides which peers are to be asked for their endpoints.
 ///
-/// Whoever misses a list asks for it by name, and whoever is asked announces all its endpoints anew. The question
-/// travels as user data of one of the asker's readers. That way is open: of two processes only the one that was the
-/// last to forget can miss anything.
+/// A process that misses the list of a peer asks it, and the peer announces all its endpoints again. The question
+/// travels as user data of one of the asker's readers. The peer receives it: of two processes only the one that was the
+/// last to forget the other can miss anything.
 ///
-/// May be used from any thread. No bus; the clock is passed in.
+/// Can be used from any thread. No bus; the clock is passed in.
 class Rediscovery {
  public:
   using Clock = std::chrono::steady_clock;
@@ -40,10 +40,10 @@ class Rediscovery {
   using Question = std::vector<std::uint8_t>;
   enum class Kind : std::uint8_t { writer, reader };
 
-  // --- what the middleware says about others ---
+  // --- what the middleware reports about peers ---
 
   void heard(const Process& process, const std::string& name, Clock::time_point now);
-  /// It says so, or the discovery server does.
+  /// The process itself or the discovery server announced it.
   void left(const Process& process);
   /// Its lease has expired.
   void fell_silent(const Process& process, Clock::time_point now);
@@ -52,15 +52,15 @@ class Rediscovery {
 
   // --- asking ---
 
-  /// True as long as somebody is back whose list is missing.
+  /// True as long as a peer is back and its list is missing.
   [[nodiscard]] bool waits() const;
-  /// A new question to all whose list is due; nothing if none is. Logs whom it asks.
+  /// A new question to all peers whose list is due; nullopt if none is. Logs the peers that it asks.
   [[nodiscard]] std::optional<Question> question(Clock::time_point now);
-  /// Somebody's question. True if it is a new one, and to us.
+  /// Handles the question of a peer. True if it is new and asks this process.
   bool asks(const Process& asker, const Question& question, const Process& self);
 
-  /// Names of those who may be back soon: silent for less than `patience` with nobody of the same name in their place,
-  /// or back a moment ago.
+  /// Names of peers that may be back soon: silent for less than `patience` with no other process of the same name in
+  /// their place, or back a moment ago.
   [[nodiscard]] std::vector<std::string> absent(Clock::duration patience, Clock::time_point now) const;
 
  private:
@@ -80,7 +80,7 @@ class Rediscovery {
       return (!had_writers || !writers.empty()) && (!had_readers || !readers.empty());
     }
   };
-  Peer& peer(const Process& process);
+  Peer& peer_of(const Process& process);
   Peer& forget(const Process& process);
 
   mutable std::mutex mutex_;
@@ -89,7 +89,7 @@ class Rediscovery {
   std::uint32_t last_number_ = 0;
 };
 
-/// Asks and answers: the middleware's threads, which tell of others, must not call the middleware.
+/// Asks and answers in a thread of its own: the middleware's threads, which report peers, must not call the middleware.
 class RediscoveryThread {
  public:
   using Ask = std::function<void(const Rediscovery::Question&)>;
@@ -97,11 +97,11 @@ class RediscoveryThread {
   /// `ask` makes a question known to all, `announce` all our endpoints.
   RediscoveryThread(Rediscovery& rediscovery, Ask ask, std::function<void()> announce);
 
-  /// Somebody is back whose endpoints may be missing.
-  void somebody_is_back();
-  /// Somebody asks for ours.
-  void somebody_asks();
-  /// Nothing is asked or announced any more.
+  /// A peer is back, and its endpoints may be missing.
+  void peer_is_back();
+  /// A peer asks for our endpoints.
+  void peer_asks();
+  /// From now on nothing is asked or announced.
   void end();
 
  private:
@@ -112,8 +112,8 @@ class RediscoveryThread {
   std::function<void()> announce_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  bool somebody_is_back_ = false;
-  bool somebody_asks_ = false;
+  bool peer_is_back_ = false;
+  bool peer_asks_ = false;
   std::jthread thread_;
 };
 

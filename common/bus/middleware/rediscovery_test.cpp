@@ -26,7 +26,7 @@ const Rediscovery::Process other = process(2);
 const Rediscovery::Process third = process(3);
 const Rediscovery::Clock::time_point start{};
 
-/// Knows the other's writer and reader.
+/// A process that knows the writer and the reader of another.
 struct Scene {
   Rediscovery rediscovery;
   Scene() {
@@ -45,7 +45,7 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("who was never forgotten, or comes back with all its endpoints, is not asked") {
+TEST_CASE("a peer that was never forgotten, or is back with all its endpoints, is not asked") {
   Scene scene;
   CHECK_FALSE(scene.rediscovery.waits());
   CHECK_FALSE(scene.rediscovery.question(start + 1h));
@@ -58,7 +58,7 @@ TEST_CASE("who was never forgotten, or comes back with all its endpoints, is not
   CHECK_FALSE(scene.rediscovery.waits());
 }
 
-TEST_CASE("who is back without its readers is asked, again and again, ever more rarely, until they are there") {
+TEST_CASE("a peer that is back without its readers is asked at growing intervals until they are known") {
   Scene scene;
   scene.lose();
   scene.rediscovery.found(endpoint(2, 1), Kind::writer);
@@ -71,10 +71,10 @@ TEST_CASE("who is back without its readers is asked, again and again, ever more 
 
   Rediscovery asked;
   CHECK(asked.asks(self, *first, other));
-  CHECK_FALSE(asked.asks(self, *first, other));  // the same one, told again
+  CHECK_FALSE(asked.asks(self, *first, other));  // the same question again
   CHECK(asked.asks(self, *second, other));
-  CHECK_FALSE(asked.asks(self, *second, third));  // not meant
-  CHECK(asked.asks(third, *second, other));       // asks too
+  CHECK_FALSE(asked.asks(self, *second, third));  // to another process
+  CHECK(asked.asks(third, *second, other));       // from another process
 
   scene.rediscovery.found(endpoint(2, 2), Kind::reader);
   CHECK_FALSE(scene.rediscovery.question(start + 1h));
@@ -94,7 +94,7 @@ TEST_CASE("a question to one still holds the open question to another") {
   CHECK(Rediscovery().asks(self, *question, third));
 }
 
-TEST_CASE("who leaves, or never answers, is not asked for ever") {
+TEST_CASE("a peer that leaves, or never answers, is not asked without end") {
   Scene scene;
   scene.lose();
   SECTION("leaves") {
@@ -121,7 +121,7 @@ TEST_CASE("user data of others is no question") {
   CHECK_FALSE(rediscovery.asks(process(9), cut, other));
 }
 
-TEST_CASE("absent is who is silent for a short time and not replaced, or back a moment ago") {
+TEST_CASE("absent are peers that are silent for a short time and not replaced, or back a moment ago") {
   using Names = std::vector<std::string>;
   Scene scene;
   CHECK(scene.rediscovery.absent(10s, start).empty());

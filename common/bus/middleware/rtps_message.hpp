@@ -1,7 +1,7 @@
 #pragma once
 
-// What a message of the middleware is made of: RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6. No repair; the
-// filter of clear text and the bad network of the tests read messages.
+// The parts of an RTPS message: RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6. No repair; the filter of clear text
+// and the bad network of the tests use it.
 
 #include <cstddef>
 
@@ -22,7 +22,7 @@ enum Kind : unsigned {
 };
 
 /// Calls `good(kind, content, size of the content)` for every submessage, as the middleware walks through them. False
-/// as soon as that is, or if the message is cut.
+/// as soon as `good` is false, or if the message is cut.
 template <class Good>
 bool all_submessages(const unsigned char* bytes, std::size_t size, const Good& good) {
   constexpr std::size_t message_header_bytes = 20;

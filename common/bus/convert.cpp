@@ -7,38 +7,17 @@
 namespace aloft::bus {
 namespace {
 
-wire::Action to_wire(agents::Action action) {
-  switch (action) {
-    case agents::Action::none:
-      return wire::ACTION_NONE;
-    case agents::Action::down:
-      return wire::ACTION_DOWN;
-    case agents::Action::hold:
-      return wire::ACTION_HOLD;
-    case agents::Action::up:
-      return wire::ACTION_UP;
-    case agents::Action::absolute:
-      return wire::ACTION_ABSOLUTE;
-  }
-  throw std::logic_error("convert: unknown action");
-}
+// An enumerator has the same number in idl/flight.idl and in the domain.
+static_assert(static_cast<std::uint32_t>(agents::Action::down) == wire::ACTION_DOWN &&
+              static_cast<std::uint32_t>(agents::Action::hold) == wire::ACTION_HOLD &&
+              static_cast<std::uint32_t>(agents::Action::up) == wire::ACTION_UP &&
+              static_cast<std::uint32_t>(agents::Action::absolute) == wire::ACTION_ABSOLUTE &&
+              static_cast<std::uint32_t>(agents::Privilege::next_step) == wire::PRIVILEGE_NEXT_STEP &&
+              static_cast<std::uint32_t>(agents::Privilege::whole_route) == wire::PRIVILEGE_WHOLE_ROUTE);
 
 agents::Action from_wire(wire::Action action) {
-  switch (action) {
-    case wire::ACTION_NONE:
-      return agents::Action::none;
-    case wire::ACTION_DOWN:
-      return agents::Action::down;
-    case wire::ACTION_HOLD:
-      return agents::Action::hold;
-    case wire::ACTION_UP:
-      return agents::Action::up;
-    case wire::ACTION_ABSOLUTE:
-      return agents::Action::absolute;
-    case wire::ACTION_UNKNOWN_FLIGHT:
-      break;
-  }
-  throw std::logic_error("convert: this action is no command");
+  if (action > wire::ACTION_ABSOLUTE) throw std::logic_error("convert: this action is no command");
+  return static_cast<agents::Action>(action);
 }
 
 }  // namespace
@@ -61,13 +40,13 @@ void put(wire::ChannelReport& report, const agents::Observation& observation) {
   const auto neighbours = observation.neighbour_sinr_db.begin();
   report.neighbour_sinr_db().assign(neighbours, neighbours + observation.neighbour_count);
   report.qos(observation.qos);
-  report.executed(to_wire(observation.executed));
+  report.executed(static_cast<wire::Action>(observation.executed));
   report.reward(observation.reward);
   report.last(observation.last);
 }
 
 void put(wire::HeightCommand& message, const agents::Command& command) {
-  message.action(to_wire(command.action));
+  message.action(static_cast<wire::Action>(command.action));
   message.height_m(command.height_m);
   const std::optional<agents::Introspection> thoughts = agents::showable(command.introspection);
   message.has_introspection(thoughts.has_value());
@@ -197,27 +176,11 @@ ProcessName from_wire(const wire::ProcessName& process) {
 }
 
 wire::Privilege to_wire(agents::Privilege privilege) {
-  switch (privilege) {
-    case agents::Privilege::none:
-      return wire::PRIVILEGE_NONE;
-    case agents::Privilege::next_step:
-      return wire::PRIVILEGE_NEXT_STEP;
-    case agents::Privilege::whole_route:
-      return wire::PRIVILEGE_WHOLE_ROUTE;
-  }
-  throw std::logic_error("convert: unknown privilege");
+  return static_cast<wire::Privilege>(privilege);
 }
 
 agents::Privilege from_wire(wire::Privilege privilege) {
-  switch (privilege) {
-    case wire::PRIVILEGE_NONE:
-      return agents::Privilege::none;
-    case wire::PRIVILEGE_NEXT_STEP:
-      return agents::Privilege::next_step;
-    case wire::PRIVILEGE_WHOLE_ROUTE:
-      return agents::Privilege::whole_route;
-  }
-  throw std::logic_error("convert: unknown privilege");
+  return static_cast<agents::Privilege>(privilege);
 }
 
 }  // namespace aloft::bus

@@ -25,9 +25,7 @@ Waiter::Waiter(StopSignal& stop) : Waiter() {
   ticket_ = stop.on_request([this] { wake(); });
 }
 
-Waiter::~Waiter() {
-  ticket_.reset();
-}
+Waiter::~Waiter() = default;
 
 void Waiter::attach(void* condition) {
   if (state_->waits.attach_condition(*static_cast<dds::Condition*>(condition)) != ReturnCode::RETCODE_OK)

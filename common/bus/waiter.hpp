@@ -33,7 +33,7 @@ class Waiter {
 
   struct State;
   std::unique_ptr<State> state_;
-  StopSignal::Ticket ticket_;
+  StopSignal::Ticket ticket_;  // the last member: cancelled before the state is destroyed
 };
 
 }  // namespace aloft::bus

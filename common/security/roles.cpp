@@ -1,5 +1,6 @@
 #include "common/security/roles.hpp"
 
+#include <bit>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -7,25 +8,9 @@
 namespace aloft::security {
 
 std::string_view to_text(Role role) noexcept {
-  switch (role) {
-    case Role::coordinator:
-      return "coordinator";
-    case Role::metrics:
-      return "metrics";
-    case Role::environment:
-      return "environment";
-    case Role::channel:
-      return "channel";
-    case Role::learning_agent:
-      return "learning-agent";
-    case Role::baseline_agent:
-      return "baseline-agent";
-    case Role::observer:
-      return "observer";
-    case Role::run_operator:
-      return "operator";
-  }
-  return "unknown";
+  static constexpr std::array<std::string_view, all_roles.size()> names{
+      "coordinator", "metrics", "environment", "channel", "learning-agent", "baseline-agent", "observer", "operator"};
+  return names[static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(role)))];
 }
 
 Role role_from_text(std::string_view text) {

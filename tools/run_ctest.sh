@@ -10,6 +10,7 @@ ctest "$@" | {
   while IFS= read -r line; do
     if [ -n "$counts" ] || [[ $line =~ ^[0-9]+%\ tests\ passed ]]; then counts+=$line$'\n'; else printf '%s\n' "$line"; fi
   done
-  sed -n '/^SKIPPED: /p' "$folder/Testing/Temporary/LastTest.log"
+  log=$folder/Testing/Temporary/LastTest.log
+  [ ! -f "$log" ] || sed -n '/^SKIPPED: /p' "$log"
   printf '%s' "$counts"
 }

@@ -138,17 +138,19 @@ void ColumnBuilder::compute_sinr(std::uint32_t point, std::uint32_t c) {
 /// Lists the blocks of four heights where the SINR of c is wanted, and computes the UAV's beam there.
 void ColumnBuilder::select_blocks(std::uint32_t c) {
   blocks_.clear();
-  wanted_.clear();
-  block_rise_m_.clear();
+  wanted_.resize(width_);
+  block_rise_m_.resize(width_);
   for (const Slot& slot : slots_[c]) {
     const std::uint32_t block = slot.height / lanes;
     if (blocks_.empty() || blocks_.back() != block) {
+      std::fill_n(wanted_.begin() + blocks_.size() * lanes, lanes, 0.0);
+      std::copy_n(rise_m_.begin() + block * lanes, lanes, block_rise_m_.begin() + blocks_.size() * lanes);
       blocks_.push_back(block);
-      wanted_.resize(blocks_.size() * lanes, 0.0);
-      block_rise_m_.insert(block_rise_m_.end(), rise_m_.begin() + block * lanes, rise_m_.begin() + (block + 1) * lanes);
     }
     wanted_[(blocks_.size() - 1) * lanes + slot.height % lanes] = 1.0;
   }
+  wanted_.resize(blocks_.size() * lanes);
+  block_rise_m_.resize(blocks_.size() * lanes);
   nearest_m_.assign(block_rise_m_.size(), 0.0);
   farthest_m_.assign(block_rise_m_.size(), std::numeric_limits<double>::infinity());
   if (scene_.model().uav_antenna == UavAntenna::directional)

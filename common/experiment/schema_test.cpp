@@ -8,7 +8,7 @@
 #include "common/base/read_file.hpp"
 #include "common/base/write_file.hpp"
 #include "common/experiment/experiment.hpp"
-#include "common/experiment/schema_validator.hpp"
+#include "common/experiment/testing/schema_validator.hpp"
 #include "tests/paths.hpp"
 
 using aloft::read_file;

@@ -15,7 +15,7 @@
 #include "common/base/error.hpp"
 #include "common/base/random.hpp"
 #include "common/experiment/experiment.hpp"
-#include "common/experiment/schema_validator.hpp"
+#include "common/experiment/testing/schema_validator.hpp"
 #include "common/radio/models/link_model.hpp"
 #include "tests/integration/command.hpp"
 #include "tests/limits/random_experiment.hpp"

@@ -1,5 +1,5 @@
 // The only file that includes Valijson, which takes the compiler 10 s.
-#include "common/experiment/schema_validator.hpp"
+#include "common/experiment/testing/schema_validator.hpp"
 
 #include <fmt/format.h>
 

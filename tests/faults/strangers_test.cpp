@@ -100,7 +100,7 @@ TEST_CASE("unreadable experiments of a foreign process keep no process from the 
 }
 
 TEST_CASE("text from the wire can forge no line and control no terminal", "[messages]") {
-  const FaultScene scene;
+  const FaultScene scene(60);  // more trials than a worker has worlds in advance
   const std::string name = "text";
   const std::string run_name = own_name("text");
   const auto run = scene.start(name, {"--workers", "1", "--run", run_name});

@@ -188,10 +188,7 @@ TEST_CASE("a worker stops for longer than its lease, and comes back with late re
   CHECK(scene.digest(name) == scene.reference());
 }
 
-// Runs only when asked for by name: about once in three the process is not found again, and the coordinator asks it for
-// its readers and writers in vain. Known fault, to be mended.
-TEST_CASE("a process that is silent at the end of the run still receives the end when it continues",
-          "[.][known-fault]") {
+TEST_CASE("a process that is silent at the end of the run still receives the end when it continues", "[stops]") {
   const FaultScene scene;
   const std::string name = "absent";
   const LooseRun run(scene, name);

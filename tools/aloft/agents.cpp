@@ -103,6 +103,7 @@ struct AgentsOptions {
 
 int list_agents(const AgentsOptions& options) {
   std::vector<const AgentType*> types;
+  types.reserve(options.names.size());
   for (const std::string& name : options.names) types.push_back(&type_called(name));
   if (types.empty())
     for (const AgentType& type : agents::agent_types()) types.push_back(&type);

@@ -159,7 +159,8 @@ void RediscoveryThread::end() {
 
 void RediscoveryThread::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return peer_asks_ || peer_is_back_; })) {
+  // The wait is also true after a stop, when a peer is still to be asked.
+  while (changed_.wait(lock, stop, [this] { return peer_asks_ || peer_is_back_; }) && !stop.stop_requested()) {
     const bool asked = std::exchange(peer_asks_, false);
     peer_is_back_ = false;
     lock.unlock();

@@ -1,6 +1,7 @@
 #include "common/bus/middleware/rediscovery.hpp"
 
 #include <catch2/catch.hpp>
+#include <future>
 
 using aloft::bus::Rediscovery;
 using Kind = Rediscovery::Kind;
@@ -146,4 +147,22 @@ TEST_CASE("absent are peers that are silent for a short time and not replaced, o
     scene.rediscovery.left(other);
     CHECK(scene.rediscovery.absent(10s, start + 1s).empty());
   }
+}
+
+// If it fails, it does not return, and ctest's limit ends it.
+TEST_CASE("the thread ends while a peer is still to be asked") {
+  Rediscovery rediscovery;
+  const auto now = Rediscovery::Clock::now();
+  rediscovery.heard(other, "other", now);
+  rediscovery.found(endpoint(2, 1), Kind::writer);
+  rediscovery.fell_silent(other, now);
+  rediscovery.heard(other, "other", now);
+  REQUIRE(rediscovery.waits());
+  std::promise<void> asked;
+  aloft::bus::RediscoveryThread thread(
+      rediscovery, [&](const Rediscovery::Question&) { asked.set_value(); }, [] {});
+  thread.peer_is_back();
+  REQUIRE(asked.get_future().wait_for(10s) == std::future_status::ready);
+  REQUIRE(rediscovery.waits());  // the next question is due in a second
+  thread.end();
 }

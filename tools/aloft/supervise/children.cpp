@@ -51,6 +51,7 @@ void Children::start(const std::string& name, const std::vector<std::string>& ar
   const SpawnSettings settings(output.string());
   std::vector<std::string> copies = arguments;
   std::vector<char*> argv;
+  argv.reserve(copies.size() + 1);
   for (std::string& argument : copies) argv.push_back(argument.data());
   argv.push_back(nullptr);
   pid_t pid = 0;

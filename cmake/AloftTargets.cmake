@@ -1,10 +1,14 @@
 # One function per kind of target, so that every CMakeLists.txt below reads as a list of contents.
 
 # aloft_add_library(NAME SOURCES a.cpp ... [DEPS lib ...] [PRIVATE_DEPS lib ...] [TESTS a_test.cpp ...] [TEST_DEPS lib ...]
-#                   [TESTS_USE_THREADS] [TESTS_NEED x ...])
-# makes the library aloft_NAME, and with TESTS the Catch2 program aloft_NAME_tests in the ctest tier "unit".
+#                   [TESTS_USE_THREADS] [TESTS_NEED x ...] [FOR_TESTS])
+# makes the library aloft_NAME, and with TESTS the Catch2 program aloft_NAME_tests in the ctest tier "unit". FOR_TESTS:
+# only tests use the library. Without ALOFT_TESTS there are neither tests nor libraries for them.
 function(aloft_add_library name)
-  cmake_parse_arguments(ARG "TESTS_USE_THREADS" "" "SOURCES;DEPS;PRIVATE_DEPS;TESTS;TEST_DEPS;TESTS_NEED" ${ARGN})
+  cmake_parse_arguments(ARG "TESTS_USE_THREADS;FOR_TESTS" "" "SOURCES;DEPS;PRIVATE_DEPS;TESTS;TEST_DEPS;TESTS_NEED" ${ARGN})
+  if(ARG_FOR_TESTS AND NOT ALOFT_TESTS)
+    return()
+  endif()
   add_library(aloft_${name} STATIC ${ARG_SOURCES})
   target_link_libraries(aloft_${name} PUBLIC ${ARG_DEPS} PRIVATE aloft_options ${ARG_PRIVATE_DEPS})
   target_include_directories(aloft_${name} PUBLIC "${CMAKE_SOURCE_DIR}")
@@ -46,12 +50,17 @@ endfunction()
 # (the same code as the unit tests, a hundred times longer), and under ThreadSanitizer also unit tests of one thread. Its label
 # "threads" is on all tests of the bus and the services that run in one process, and on all others with USE_THREADS.
 # The target tests_TIER (tests_threads) builds the tests of a tier and what they start.
-foreach(label unit integration statistics soak threads)
-  add_custom_target(tests_${label})
-endforeach()
+if(ALOFT_TESTS)
+  foreach(label unit integration statistics soak threads)
+    add_custom_target(tests_${label})
+  endforeach()
+endif()
 
 function(aloft_add_test name)
   cmake_parse_arguments(ARG "USE_THREADS" "TIER;TIMEOUT" "SOURCES;DEPS;NEEDS" ${ARGN})
+  if(NOT ALOFT_TESTS)
+    return()
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE aloft_options aloft_test_main ${ARG_DEPS})
   # In a unity build tests stay apart: their helpers are called alike from file to file.

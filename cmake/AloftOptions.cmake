@@ -25,6 +25,7 @@ endif()
 
 option(ALOFT_TESTS "Build the tests" ON)
 option(ALOFT_BENCHMARKS "Build the benchmarks" ON)
+option(ALOFT_REPORT_CHARTS "Build the charts of `aloft report` into the program: needs node, npm and esbuild" ON)
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)

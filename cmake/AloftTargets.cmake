@@ -1,5 +1,8 @@
 # One function per kind of target, so that every CMakeLists.txt below reads as a list of contents.
 
+# All that users start, without tests and benchmarks.
+add_custom_target(programs)
+
 # aloft_add_library(NAME SOURCES a.cpp ... [DEPS lib ...] [PRIVATE_DEPS lib ...] [TESTS a_test.cpp ...] [TEST_DEPS lib ...]
 #                   [TESTS_USE_THREADS] [TESTS_NEED x ...] [FOR_TESTS])
 # makes the library aloft_NAME, and with TESTS the Catch2 program aloft_NAME_tests in the ctest tier "unit". FOR_TESTS:

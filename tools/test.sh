@@ -16,7 +16,7 @@ while [ $# -gt 0 ]; do
     --preset) preset=${2:?tools/test.sh: --preset needs release, asan or tsan}; shift 2 ;;
     --lint) exec tools/lint.sh ;;
     --all)
-      tools/setup.sh
+      tools/setup.sh --for lint
       tools/lint.sh
       tools/test.sh --preset asan
       tools/test.sh --preset tsan
@@ -27,8 +27,12 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-# A tier builds what it runs, and no more.
-tools/setup.sh "$preset" ${tier:+"tests_$tier"}
+# A tier installs and builds what it runs, and no more.
+case "$tier" in
+  unit | statistics | threads) purpose=tests ;;
+  *) purpose=integration ;;
+esac
+tools/setup.sh --for "$purpose" "$preset" ${tier:+"tests_$tier"}
 [ "$preset" != release ] || tools/lint.sh --format-only
 folder=build; [ "$preset" = release ] || folder="build-$preset"
 if [ -n "$tier" ]; then

@@ -81,6 +81,7 @@ std::vector<experiment::Experiment> experiments(const ReproduceOptions& options)
 }
 
 int reproduce(const ReproduceOptions& options) {
+  report::require_charts();
   const std::vector<experiment::Experiment> all = experiments(options);
   const int exit_code = fly_experiments(all, options.out, options.flying, [&](const std::filesystem::path& dir) {
     fmt::print("{}\n", comparison(dir, "text", options.table.shape()));

@@ -120,6 +120,7 @@ void save_picture(const TournamentOptions& options, const std::string& experimen
 }
 
 int tournament(const TournamentOptions& options) {
+  report::require_charts();
   const std::vector<experiment::Experiment> all = experiments(options);
   if (const int exit_code = fly_experiments(all, options.out, options.flying); exit_code != exit_ok) return exit_code;
 

@@ -8,7 +8,6 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
-#include "tools/report/embedded.hpp"
 #include "tools/report/node.hpp"
 
 namespace aloft::report {
@@ -48,6 +47,13 @@ void write_page(const fs::path& file, const std::string& text) {
 
 }  // namespace
 
+void require_charts(std::string_view page) {
+  if (page.empty())
+    throw InputError(
+        "this aloft was built without the charts of its report; in its checkout, tools/setup.sh adds them (and node, "
+        "npm and esbuild, which bundle them)");
+}
+
 std::string render_page(const nlohmann::json& data) {
   // "<" inside a script element could end it; the escaped form is the same JSON.
   std::string text;
@@ -58,6 +64,7 @@ std::string render_page(const nlohmann::json& data) {
 }
 
 WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions& options) {
+  require_charts();
   const std::vector<fs::path> folders = result_folders(dir);
   if (!options.svg.empty()) require_node("--svg");
   std::vector<store::ResultStore> runs;

@@ -5,7 +5,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include "tools/report/embedded.hpp"
 #include "tools/report/report_data.hpp"
 
 namespace aloft::report {
@@ -22,9 +24,12 @@ struct WrittenReport {
   std::size_t charts = 0;              ///< SVG files written
 };
 
+/// InputError if `page` is empty: this program was built without the charts (ALOFT_REPORT_CHARTS).
+void require_charts(std::string_view page = embedded_page());
+
 /// Writes the report on a result folder of `aloft run`, or on all result folders inside `dir` (`aloft reproduce`).
-/// InputError if there are no results, the choice is not there, a file cannot be written, or SVG is asked for without
-/// Node; nothing is written then.
+/// InputError if there are no charts or no results, the choice is not there, a file cannot be written, or SVG is asked
+/// for without Node; nothing is written then.
 WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions& options = {});
 
 /// The finished page: `data` as report_data() gives it, inside the embedded template.

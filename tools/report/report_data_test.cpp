@@ -177,6 +177,13 @@ TEST_CASE("A choice that is not there is refused with what is", "[report]") {
   CHECK_THROWS_AS(run.data({"1", std::nullopt}), InputError);
 }
 
+TEST_CASE("A program without charts says so, and how to get them", "[report]") {
+  CHECK_NOTHROW(report::require_charts());
+  CHECK_THROWS_AS(report::require_charts(""), InputError);
+  CHECK_THROWS_WITH(report::require_charts(""),
+                    Catch::Contains("built without the charts") && Catch::Contains("tools/setup.sh"));
+}
+
 TEST_CASE("A page is one file that its data cannot break", "[report]") {
   const std::string page = report::render_page({{"title", "</script><b>&"}});
   CHECK(page.find("</script><b>") == std::string::npos);

@@ -115,6 +115,9 @@ const CommandExamples all_examples[] = {
     {"train pretrained",
      {{"the model that comes with Aloft, anew",
        "aloft train pretrained --config data/models/pretrained.json --out mine.pb"}}},
+    {"completions",
+     {{"in every bash of yours, if Aloft is not installed",
+       "aloft completions bash > ~/.local/share/bash-completion/completions/aloft"}}},
     {"help", {{"what there is", "aloft help"}, {"all about one command", "aloft help run"}}},
 };
 

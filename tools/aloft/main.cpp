@@ -8,6 +8,7 @@
 #include "common/base/plain_text.hpp"
 #include "services/runtime/help_format.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/completions.hpp"
 #include "tools/aloft/help.hpp"
 #include "tools/aloft/status_line.hpp"
 
@@ -70,7 +71,7 @@ void add_commands(CLI::App& app, aloft::cli::Job& job) {
   add_group("Several machines, and changes in mid-flight",
             {add_coordinator, add_metrics, add_worker, add_swap, add_keys});
   add_group("Data and models", {add_import_rdata, add_train});
-  add_group("Help", {add_help});
+  add_group("Help", {add_help, add_completions});
   add_examples(app);
 }
 

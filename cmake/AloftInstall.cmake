@@ -1,0 +1,21 @@
+# cmake --install: programs, data and documents under any prefix, and what a plugin is built with (component dev). Nothing
+# installed knows its prefix: programs find share/aloft beside their bin/. The exception are systemd's units, which need
+# absolute paths and get the prefix when they are installed.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(ALOFT_PROGRAMS aloft aloft-baseline-agent aloft-channel aloft-coordinator aloft-discovery-server aloft-environment
+                   aloft-learning-agent aloft-metrics)
+install(TARGETS ${ALOFT_PROGRAMS} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+install(DIRECTORY data/ DESTINATION "${CMAKE_INSTALL_DATADIR}/aloft" COMPONENT runtime)
+install(FILES README.md CHANGELOG.md SECURITY.md deploy/systemd/run.env TYPE DOC COMPONENT runtime)
+install(FILES LICENSE TYPE DOC RENAME copyright COMPONENT runtime)
+install(DIRECTORY docs/ TYPE DOC COMPONENT runtime FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+
+# Man pages, completions and units are made while installing.
+install(CODE "
+  set(ALOFT_SOURCE \"${CMAKE_SOURCE_DIR}\")
+  set(ALOFT_BIN \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}\")
+  set(ALOFT_MADE \"${CMAKE_BINARY_DIR}/installed\")
+  set(ALOFT_PROGRAMS ${ALOFT_PROGRAMS})
+  include(\"${CMAKE_CURRENT_LIST_DIR}/install_made.cmake\")" COMPONENT runtime)

@@ -14,16 +14,6 @@ namespace {
 
 namespace rtps = eprosima::fastrtps::rtps;
 
-constexpr unsigned first_vendor_kind = 0x80;
-// Ids of builtin writers, named by what they write: RTPS 2.2, 9.3.1.5; DDS Security 1.1, 7.4.7.
-constexpr unsigned announcements = 0x000100c2;
-constexpr unsigned handshakes = 0x000201c3;
-// A secured run uses the encrypted twins of these; the clear ones stay empty, and exchange only heartbeats and
-// acknowledgements that say so.
-constexpr unsigned clear_publications = 0x000003c2;
-constexpr unsigned clear_subscriptions = 0x000004c2;
-constexpr unsigned clear_liveliness = 0x000200c2;
-
 /// The id of the endpoint at `offset`; 0 if the submessage is cut.
 unsigned endpoint_at(std::size_t offset, const unsigned char* content, std::size_t size) noexcept {
   if (size < offset + 4) return 0;
@@ -50,10 +40,12 @@ bool permitted(unsigned kind, const unsigned char* content, std::size_t size) no
     case acknack:
     case heartbeat: {
       const unsigned writer = endpoint_at(4, content, size);
+      // A secured run uses the encrypted twins of these; the clear ones stay empty, and exchange only heartbeats and
+      // acknowledgements that say so.
       return writer == clear_publications || writer == clear_subscriptions || writer == clear_liveliness;
     }
     default:
-      return kind >= first_vendor_kind;
+      return kind >= first_of_vendors;
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The parts of an RTPS message: RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6. No repair; the filter of clear text
-// and the bad network of the tests use it.
+// The parts of an RTPS message: RTPS 2.2, 8.3.3 and 9.4.5; DDS Security 1.1, 7.3.6. No repair; the guard, the filter of
+// clear text and the bad network of the tests use it.
 
 #include <cstddef>
 
@@ -14,20 +14,34 @@ enum Kind : unsigned {
   gap = 0x08,
   info_ts = 0x09,
   info_dst = 0x0e,
+  nack_frag = 0x12,
+  heartbeat_frag = 0x13,
   data = 0x15,
   data_frag = 0x16,
   sec_body = 0x30,
   sec_prefix = 0x31,
-  sec_postfix = 0x32
+  sec_postfix = 0x32,
+  first_of_vendors = 0x80
 };
 
+// Ids of builtin writers, named by what they write: RTPS 2.2, 9.3.1.5; DDS Security 1.1, 7.4.7.
+enum Writer : unsigned {
+  announcements = 0x000100c2,
+  clear_topics = 0x000002c2,
+  clear_publications = 0x000003c2,
+  clear_subscriptions = 0x000004c2,
+  clear_liveliness = 0x000200c2,
+  handshakes = 0x000201c3
+};
+
+inline constexpr std::size_t header_bytes = 20;
+
 /// Calls `good(kind, content, size of the content)` for every submessage, as the middleware walks through them. False
-/// as soon as `good` is false, or if the message is cut.
+/// as soon as `good` is false, or if the message is cut. The submessage's flags are the third byte before its content.
 template <class Good>
 bool all_submessages(const unsigned char* bytes, std::size_t size, const Good& good) {
-  constexpr std::size_t message_header_bytes = 20;
   constexpr std::size_t submessage_header_bytes = 4;
-  for (std::size_t at = message_header_bytes; at < size;) {
+  for (std::size_t at = header_bytes; at < size;) {
     if (size - at < submessage_header_bytes) return false;
     const unsigned kind = bytes[at];
     const bool little_endian = (bytes[at + 1] & 1U) != 0;

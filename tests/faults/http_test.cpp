@@ -14,7 +14,6 @@
 
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
 
 namespace {
 

@@ -27,7 +27,6 @@ using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
 using security::Role;
-namespace fs = std::filesystem;
 
 namespace {
 

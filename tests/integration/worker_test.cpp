@@ -101,7 +101,7 @@ class Scene {
     wire::RunControl message;
     message.experiment_id(wire::experiment_id(experiment_.id));
     message.state(state);
-    message.collector().incarnation(collector_);
+    message.collector().incarnation(collector);
     message.experiment_json(wire::bytes(experiment_.canonical.dump()));
     controls_.write(message);
   }
@@ -148,7 +148,7 @@ class Scene {
     message.trial(record.trial());
     message.agent(record.agent());
     message.digest(wire::name(sha256_hex(wire::view(record.trace()))));
-    message.collector(collector_);
+    message.collector(collector);
     stored_.write(message);
   }
 
@@ -176,7 +176,7 @@ class Scene {
 
  private:
   static inline int scenes = 0;
-  static constexpr std::uint64_t collector_ = 4711;
+  static constexpr std::uint64_t collector = 4711;
   std::uint64_t last_lease_ = 100;
   bus::Participant participant_{place_};
   bus::Writer<wire::RunControl> controls_{participant_};

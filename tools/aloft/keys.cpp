@@ -30,6 +30,7 @@ constexpr int max_days = 36500;
 
 std::vector<std::string> role_names() {
   std::vector<std::string> names;
+  names.reserve(std::size(security::all_roles));
   for (const security::Role role : security::all_roles) names.emplace_back(security::to_text(role));
   return names;
 }

@@ -40,7 +40,7 @@ int report_usage_error(const CLI::App& app, const CLI::ParseError& error, const 
   constexpr std::size_t longest = 1000;  // the error repeats arguments
   std::string path;
   for (const CLI::App* part = command; part != nullptr; part = part->get_parent())
-    path = part->get_name() + (path.empty() ? "" : " ") + path;
+    path = fmt::format("{}{}{}", part->get_name(), path.empty() ? "" : " ", path);
   fmt::print(stderr, "{}: {}.{}\nRun '{} --help' for the options.\n", path, aloft::plain_text(error.what(), longest),
              hint, path);
   return aloft::exit_bad_input;

@@ -53,6 +53,7 @@ std::string unnamed_file(const std::string& content) {
   arguments.insert(arguments.end(), place.begin(), place.end());
   arguments.insert(arguments.end(), options.more.begin(), options.more.end());
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
   execv(program_path(program).c_str(), argv.data());

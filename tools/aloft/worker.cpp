@@ -134,6 +134,7 @@ class Membership {
 
   void check_agents(const experiment::Experiment& experiment) const {
     std::vector<std::string> known;
+    known.reserve(experiment.agents.size());
     for (const agents::AgentSpec& spec : experiment.agents) known.push_back(spec.name);
     for (const std::string& agent : options_.agents)
       if (std::find(known.begin(), known.end(), agent) == known.end())

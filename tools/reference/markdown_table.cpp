@@ -29,7 +29,8 @@ std::string allowed(const ParameterSpec& spec) {
 
 std::string default_of(const ParameterSpec& spec, const nlohmann::json& properties) {
   const nlohmann::json& value = properties.at(spec.name).at("default");
-  return value == "" ? "-" : fmt::format("`{}`", value.is_string() ? value.get<std::string>() : value.dump());
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  return text.empty() ? "-" : fmt::format("`{}`", text);
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ std::string preset_table() {
   const std::vector<ParameterSpec>& table = radio::generated_world_parameters();
   const std::vector<std::string>& presets = table.front().choices;
   std::vector<Json> worlds;
+  worlds.reserve(presets.size());
   for (const std::string& preset : presets)
     worlds.push_back(radio::resolve_generated_world({{"preset", preset}}, "world").to_json());
   std::string text = fmt::format("| key | `{}` |\n|---|", fmt::join(presets, "` | `"));

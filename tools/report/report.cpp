@@ -68,6 +68,7 @@ WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions
   const std::vector<fs::path> folders = result_folders(dir);
   if (!options.svg.empty()) require_node("--svg");
   std::vector<store::ResultStore> runs;
+  runs.reserve(folders.size());
   for (const fs::path& folder : folders) runs.push_back(store::ResultStore::open_for_reading(folder));
   const nlohmann::json data = report_data(runs, options.choice);
   WrittenReport written{options.page.empty() ? dir / "report.html" : options.page, data["missing"].size(), 0};

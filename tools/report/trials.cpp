@@ -111,6 +111,7 @@ bool shown_before(const AgentTrials& a, const AgentTrials& b) {
 std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
   const experiment::Experiment& experiment = results.experiment();
   std::vector<ConditionTrials> conditions;
+  conditions.reserve(experiment.conditions.size());
   for (const experiment::Condition& condition : experiment.conditions)
     conditions.push_back(describe(experiment, condition));
   std::vector<std::map<std::string, AgentTrials*, std::less<>>> by_name(conditions.size());

@@ -4,16 +4,25 @@
 #   tools/test.sh unit             one tier only: unit, integration, statistics or soak
 #   tools/test.sh threads          the tests for ThreadSanitizer: of the bus and of services in one process
 #   tools/test.sh --preset asan    the tests under AddressSanitizer and UBSan (or tsan: ThreadSanitizer); with a tier: only that
+#   tools/test.sh --on debian13    the tests on that release of Debian (or debian12), whatever this machine has; as root
 #   tools/test.sh --lint           clang-format and clang-tidy over all sources
 #   tools/test.sh --all            all of it but soak: lint, both sanitizers, all tests; hours
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+usage() { sed -n '2,9p' "$0" >&2; exit 2; }
+
 preset=release
 tier=""
+release_of_debian=""
 while [ $# -gt 0 ]; do
   case "$1" in
-    --preset) preset=${2:?tools/test.sh: --preset needs release, asan or tsan}; shift 2 ;;
+    --preset | --on)
+      [ $# -gt 1 ] || usage
+      if [ "$1" = --on ]; then release_of_debian=$2; else preset=$2; fi
+      shift 2
+      ;;
+    --lint | --all) [ -z "$release_of_debian" ] || usage ;;&
     --lint) exec tools/lint.sh ;;
     --all)
       tools/setup.sh --for lint
@@ -23,7 +32,7 @@ while [ $# -gt 0 ]; do
       exec tools/test.sh
       ;;
     unit | integration | statistics | soak | threads) tier=$1; shift ;;
-    *) sed -n '2,8p' "$0" >&2; exit 2 ;;
+    *) usage ;;
   esac
 done
 
@@ -32,7 +41,13 @@ case "$tier" in
   unit | statistics | threads) purpose=tests ;;
   *) purpose=integration ;;
 esac
-tools/setup.sh --for "$purpose" "$preset" ${tier:+"tests_$tier"}
+setup=(tools/setup.sh --for "$purpose" "$preset" ${tier:+"tests_$tier"})
+if [ -n "$release_of_debian" ]; then
+  # The build fetches the chart libraries; the tests have no network but their own.
+  tools/on_debian.sh "$release_of_debian" --for "$purpose" --online "${setup[@]}"
+  exec tools/on_debian.sh "$release_of_debian" --for "$purpose" tools/test.sh --preset "$preset" ${tier:+"$tier"}
+fi
+"${setup[@]}"
 [ "$preset" != release ] || tools/lint.sh --format-only
 folder=build; [ "$preset" = release ] || folder="build-$preset"
 if [ -n "$tier" ]; then

@@ -51,6 +51,24 @@ TEST_CASE("tools/test.sh --all runs the whole linter, both sanitizers over all t
   CHECK(Scripts("lint.sh").run("tools/test.sh --all").exit_code != 0);
 }
 
+TEST_CASE("tools/test.sh --on RELEASE builds with a network and runs the same tests without one") {
+  CHECK(calls_in(Scripts().run("tools/test.sh --on debian13 --preset asan unit")) ==
+        "on_debian.sh debian13 --for tests --online tools/setup.sh --for tests asan tests_unit\n"
+        "on_debian.sh debian13 --for tests tools/test.sh --preset asan unit\n");
+  CHECK(calls_in(Scripts().run("tools/test.sh --on debian12")) ==
+        "on_debian.sh debian12 --for integration --online tools/setup.sh --for integration release\n"
+        "on_debian.sh debian12 --for integration tools/test.sh --preset release\n");
+  for (const char* failing : {"--online", "tools/test.sh"})
+    CHECK(Scripts(failing).run("tools/test.sh --on debian13").exit_code != 0);
+  for (const char* usage : {"--on", "--on debian13 --all", "--on debian13 --lint", "--preset", "fun"}) {
+    INFO(usage);
+    const Finished finished = Scripts().run(std::string("tools/test.sh ") + usage);
+    CHECK(finished.exit_code == 2);
+    CHECK_THAT(finished.err, Contains("tools/test.sh --on debian13") && Contains("tools/test.sh --all"));
+    CHECK(finished.out.empty());
+  }
+}
+
 TEST_CASE(
     "ThreadSanitizer looks at every test of bus and services that runs in one process; integration tests run alone") {
   const Finished listed = run_command(

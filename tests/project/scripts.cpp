@@ -12,7 +12,8 @@ namespace aloft::test {
 Scripts::Scripts(const std::string& failing) {
   for (const char* folder : {"tools", ".ci", "bin", "build/bin", "build-asan", "build-tsan"})
     fs::create_directories(root_ / folder);
-  copy_scripts();
+  for (const char* script : {".ci/run", "tools/quickstart.sh", "tools/run_ctest.sh", "tools/setup.sh", "tools/test.sh"})
+    copy(script);
   call_machine("ID=debian\nVERSION_ID=\"12\"\n");
   write_text(root_ / "tools/packages.txt", "# none\n");
   for (const char* folder : {"build", "build-asan", "build-tsan"}) {
@@ -22,7 +23,8 @@ Scripts::Scripts(const std::string& failing) {
   }
   fs::create_directories(root_ / "build/Testing/Temporary");
   write_text(root_ / "build/Testing/Temporary/LastTest.log", "a test\nSKIPPED: no such disk here\nanother test\n");
-  for (const char* program : {"bin/cmake", "bin/ctest", "bin/apt-get", "tools/lint.sh", "build/bin/aloft"}) {
+  for (const char* program :
+       {"bin/cmake", "bin/ctest", "bin/apt-get", "tools/lint.sh", "tools/on_debian.sh", "build/bin/aloft"}) {
     const std::string name = fs::path(program).filename().string();
     const std::string counts =
         name == "ctest" ? "echo '100% tests passed, 0 tests failed out of 1'\necho 'Total: 1 s'\n" : "";
@@ -33,16 +35,13 @@ Scripts::Scripts(const std::string& failing) {
   write_program("bin/sudo", "exec \"$@\"\n");
 }
 
-void Scripts::copy_scripts() const {
-  for (const char* script :
-       {".ci/run", "tools/quickstart.sh", "tools/run_ctest.sh", "tools/setup.sh", "tools/test.sh"}) {
-    std::string text = read_text(source_dir() / script);
-    const std::string os_release = "/etc/os-release";
-    for (std::size_t at = 0; (at = text.find(os_release, at)) != std::string::npos;)
-      text.replace(at, os_release.size(), (root_ / "os-release").string());
-    write_text(root_ / script, text);
-    fs::permissions(root_ / script, fs::perms::owner_all);
-  }
+void Scripts::copy(const std::string& script) const {
+  std::string text = read_text(source_dir() / script);
+  const std::string os_release = "/etc/os-release";
+  for (std::size_t at = 0; (at = text.find(os_release, at)) != std::string::npos;)
+    text.replace(at, os_release.size(), (root_ / "os-release").string());
+  write_text(root_ / script, text);
+  fs::permissions(root_ / script, fs::perms::owner_all);
 }
 
 void Scripts::write_program(const std::string& program, const std::string& code) const {

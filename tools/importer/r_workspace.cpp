@@ -1,14 +1,10 @@
 #include "tools/importer/r_workspace.hpp"
 
 #include <fmt/format.h>
-#include <rdata/rdata.h>
 #include <zlib.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <cstring>
-#include <limits>
-#include <memory>
+#include <new>
+#include <utility>
 
 #include "common/base/error.hpp"
 #include "common/base/read_file.hpp"
@@ -60,8 +56,7 @@ class Inflater {
   z_stream stream_{};
 };
 
-std::string unpack(const std::filesystem::path& file) {
-  std::string packed = read_file(file, max_unpacked_bytes);
+std::string unpack(std::string packed, const std::filesystem::path& file) {
   if (packed.rfind("\x1f\x8b", 0) != 0)
     refuse(file, packed.empty() ? "the file is empty" : "this is not a gzip file",
            "Give a workspace as R's save() writes it; one saved otherwise can be loaded and saved again in R with "
@@ -74,91 +69,20 @@ std::string unpack(const std::filesystem::path& file) {
   return unpacked;
 }
 
-/// State of librdata's callbacks, which read from `bytes` and fill `vectors`.
-struct Reading {
-  std::string bytes;
-  std::size_t position = 0;
-  NumericVectors vectors;
-  std::string error;
-};
-
-Reading& reading(void* context) {
-  return *static_cast<Reading*>(context);
-}
-
-int open_bytes(const char* /*path*/, void* context) {
-  reading(context).position = 0;
-  return 0;
-}
-
-int close_bytes(void* /*context*/) {
-  return 0;
-}
-
-rdata_off_t seek_bytes(rdata_off_t offset, rdata_io_flags_t whence, void* context) {
-  Reading& source = reading(context);
-  const std::size_t base = whence == RDATA_SEEK_SET   ? 0
-                           : whence == RDATA_SEEK_CUR ? source.position
-                                                      : source.bytes.size();
-  const rdata_off_t target = static_cast<rdata_off_t>(base) + offset;
-  if (target < 0 || static_cast<std::size_t>(target) > source.bytes.size()) return -1;
-  source.position = static_cast<std::size_t>(target);
-  return target;
-}
-
-ssize_t read_some(void* buffer, std::size_t size, void* context) {
-  Reading& source = reading(context);
-  const std::size_t count = std::min(size, source.bytes.size() - source.position);
-  std::memcpy(buffer, source.bytes.data() + source.position, count);
-  source.position += count;
-  return static_cast<ssize_t>(count);
-}
-
-int keep_vector(const char* name, rdata_type_t type, void* data, long count, void* context) {
-  if (name == nullptr || data == nullptr || count < 0) return 0;
-  std::vector<double> values(static_cast<std::size_t>(count));
-  if (type == RDATA_TYPE_REAL) {
-    std::memcpy(values.data(), data, values.size() * sizeof(double));
-  } else if (type == RDATA_TYPE_INT32) {
-    constexpr std::int32_t r_missing = std::numeric_limits<std::int32_t>::min();
-    std::vector<std::int32_t> whole(values.size());
-    std::memcpy(whole.data(), data, whole.size() * sizeof(std::int32_t));
-    std::transform(whole.begin(), whole.end(), values.begin(), [](std::int32_t value) {
-      return value == r_missing ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(value);
-    });
-  } else {
-    return 0;
-  }
-  reading(context).vectors[name] = std::move(values);
-  return 0;
-}
-
-void note_error(const char* message, void* context) {
-  reading(context).error = message;
-}
-
 }  // namespace
 
+NumericVectors parse_r_workspace(std::string packed, const std::filesystem::path& file) {
+  const std::string bytes = unpack(std::move(packed), file);
+  try {
+    return numeric_vectors(bytes);
+  } catch (const UnreadableObjects& error) {
+    refuse(file, fmt::format("the R workspace cannot be read: {}", error.what()),
+           "Unless R reads it, the file is incomplete or altered: download it again");
+  }
+}
+
 NumericVectors read_r_workspace(const std::filesystem::path& file) {
-  Reading source;
-  source.bytes = unpack(file);
-  const std::unique_ptr<rdata_parser_t, decltype(&rdata_parser_free)> parser(rdata_parser_init(), &rdata_parser_free);
-  if (!parser) throw std::bad_alloc();
-  rdata_set_open_handler(parser.get(), open_bytes);
-  rdata_set_close_handler(parser.get(), close_bytes);
-  rdata_set_seek_handler(parser.get(), seek_bytes);
-  rdata_set_read_handler(parser.get(), read_some);
-  std::free(parser->io->io_ctx);  // librdata does not free this itself
-  rdata_set_io_ctx(parser.get(), &source);
-  rdata_set_column_handler(parser.get(), keep_vector);
-  rdata_set_error_handler(parser.get(), note_error);
-  const rdata_error_t status = rdata_parse(parser.get(), file.c_str(), &source);
-  if (status != RDATA_OK)
-    refuse(file,
-           fmt::format("the R workspace cannot be read ({}{}{})", rdata_error_message(status),
-                       source.error.empty() ? "" : "; ", source.error),
-           "The file is incomplete or altered, or not saved by R: download it again");
-  return std::move(source.vectors);
+  return parse_r_workspace(read_file(file, max_unpacked_bytes), file);
 }
 
 }  // namespace aloft::importer

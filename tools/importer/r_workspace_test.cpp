@@ -11,10 +11,15 @@
 
 using aloft::InputError;
 using aloft::importer::NumericVectors;
+using aloft::importer::parse_r_workspace;
 using aloft::importer::read_r_workspace;
 using aloft::importer::test::gzip;
 using aloft::importer::test::Object;
+using aloft::importer::test::sequence;
+using aloft::importer::test::wrapped;
 using aloft::importer::test::write_bytes;
+using aloft::importer::test::xdr;
+using aloft::importer::test::xdr_head;
 using aloft::importer::test::xdr_workspace;
 using Catch::Matchers::Contains;
 
@@ -73,6 +78,28 @@ TEST_CASE("what is no gzip file, or no R workspace inside, is refused with the r
   CHECK_THROWS_WITH(read_r_workspace("/no/such/file.Rdata"),
                     Contains("/no/such/file.Rdata") && Contains("cannot read"));
   CHECK_THROWS_WITH(read_r_workspace("/tmp"), Contains("folder"));
+}
+
+TEST_CASE("sequences that are only described, and wrapped vectors, come back as numbers") {
+  const NumericVectors vectors = parse_r_workspace(gzip(xdr_workspace({}, sequence(4.0) + wrapped({2.5, 7.0}))), "x");
+  CHECK(vectors.at("sequence") == std::vector<double>{1.0, 3.0, 5.0, 7.0});
+  CHECK(vectors.at("wrapped") == std::vector<double>{2.5, 7.0});
+  CHECK(parse_r_workspace(gzip(xdr_workspace({}, sequence(0.5))), "x").at("sequence").empty());
+}
+
+TEST_CASE("objects that R does not write are refused before they cost memory or stack") {
+  for (const double length : {-1.0, 1e7, 1e18, std::nan("")})
+    CHECK_THAT(refusal(gzip(xdr_workspace({}, sequence(length)))), Contains("impossible length"));
+  std::string many;
+  for (int i = 0; i < 3; ++i) many += sequence(500'000.0);
+  CHECK_THAT(refusal(gzip(xdr_workspace({}, many))), Contains("impossible length"));
+  std::string lists;
+  for (int i = 0; i < 1'000'000; ++i) lists += xdr({19, 1});
+  CHECK_THAT(refusal(gzip(xdr_workspace({}, xdr_head("deep") + lists))), Contains("more than 100 deep"));
+  CHECK_THAT(refusal(gzip(xdr_workspace({}, xdr_head("long") + xdr({14, 0x7FFFFFFF})))),
+             Contains("elements, but only"));
+  CHECK_THAT(refusal(gzip(xdr_workspace({}, xdr({0x402, 0x1FF})))), Contains("reference to nothing"));
+  CHECK_THAT(refusal(gzip(xdr_workspace({}, xdr_head("code") + xdr({21})))), Contains("type 21") && Contains("rm()"));
 }
 
 TEST_CASE("a workspace cut short at any byte is refused, packed or unpacked") {

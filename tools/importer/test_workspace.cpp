@@ -32,25 +32,55 @@ void put(std::string& bytes, const std::vector<std::int32_t>& values) {
   for (const std::int32_t value : values) put(bytes, static_cast<std::uint32_t>(value));
 }
 
+/// Another form of a vector: class, package and type, then its content.
+std::string alternative(const std::string& name, const std::string& class_name) {
+  const std::string package = "base";
+  std::string bytes = xdr_head(name) + xdr({238, 2, 1, 0x40009, static_cast<std::uint32_t>(class_name.size())});
+  bytes += class_name + xdr({2, 1, 0x40009, static_cast<std::uint32_t>(package.size())}) + package;
+  return bytes + xdr({2, 13, 1, 14, 254});
+}
+
 }  // namespace
 
-std::string xdr_workspace(const std::vector<Object>& objects) {
+std::string xdr(std::initializer_list<std::uint32_t> words) {
+  std::string bytes;
+  for (const std::uint32_t word : words) put(bytes, word);
+  return bytes;
+}
+
+std::string xdr_head(const std::string& name) {
+  // A pair with a tag, which is a symbol, whose name is an ASCII text.
+  return xdr({0x402, 1, 0x40009, static_cast<std::uint32_t>(name.size())}) + name;
+}
+
+std::string sequence(double length) {
+  std::string bytes = alternative("sequence", "compact_intseq");
+  put(bytes, std::vector<double>{length, 1.0, 2.0});
+  return bytes + xdr({254});
+}
+
+std::string wrapped(const std::vector<double>& values) {
+  std::string bytes = alternative("wrapped", "wrap_real") + xdr({2});
+  put(bytes, values);
+  bytes += xdr({2});
+  put(bytes, std::vector<std::int32_t>{0, 0});
+  return bytes + xdr({254, 254});
+}
+
+std::string xdr_workspace(const std::vector<Object>& objects, const std::string& more) {
   std::string bytes = "RDX2\nX\n";
   put(bytes, 2U);         // format version
   put(bytes, 0x030603U);  // written by R 3.6.3
   put(bytes, 0x020300U);  // readable since R 2.3.0
   for (const Object& object : objects) {
-    put(bytes, 0x402U);    // pair list with a tag
-    put(bytes, 1U);        // SYMSXP
-    put(bytes, 0x40009U);  // CHARSXP, ASCII
-    put(bytes, static_cast<std::uint32_t>(object.name.size()));
-    bytes += object.name;
+    bytes += xdr_head(object.name);
     if (object.in_list) {
       put(bytes, 19U);  // VECSXP
       put(bytes, 1U);
     }
     std::visit([&](const auto& values) { put(bytes, values); }, object.values);
   }
+  bytes += more;
   put(bytes, 254U);  // NILVALUE_SXP
   return bytes;
 }

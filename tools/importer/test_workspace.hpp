@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <variant>
@@ -21,8 +22,15 @@ struct Object {
   bool in_list = false;
 };
 
-/// The unpacked bytes that save(version = 2) would write.
-[[nodiscard]] std::string xdr_workspace(const std::vector<Object>& objects);
+/// The unpacked bytes that save(version = 2) would write; `more` are the bytes of further objects.
+[[nodiscard]] std::string xdr_workspace(const std::vector<Object>& objects, const std::string& more = {});
+
+/// Words as they stand in a workspace, and what stands before an object with this name.
+[[nodiscard]] std::string xdr(std::initializer_list<std::uint32_t> words);
+[[nodiscard]] std::string xdr_head(const std::string& name);
+/// The object "sequence" as R saves 1, 3, 5, ... that was never computed, and "wrapped", a vector in a wrapper.
+[[nodiscard]] std::string sequence(double length);
+[[nodiscard]] std::string wrapped(const std::vector<double>& values);
 
 [[nodiscard]] std::string gzip(const std::string& bytes);
 

@@ -48,19 +48,20 @@ function(aloft_add_test_entries name program)
     ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()
 
-# aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s] [USE_THREADS] [NEEDS x ...])
+# aloft_add_test(NAME TIER unit|integration|statistics|soak SOURCES ... [DEPS lib ...] [TIMEOUT s] [USE_THREADS] [MIDDLEWARE] [NEEDS x ...])
 # soak tests are built, but run only when their label is asked for by name. Sanitized builds leave out statistics tests
 # (the same code as the unit tests, a hundred times longer), and under ThreadSanitizer also unit tests of one thread. Its label
 # "threads" is on all tests of the bus and the services that run in one process, and on all others with USE_THREADS.
-# The target tests_TIER (tests_threads) builds the tests of a tier and what they start.
+# The label "middleware" is on what another Fast DDS could break first: the tests of the bus, and those with MIDDLEWARE.
+# The target tests_TIER (tests_threads, tests_middleware) builds the tests of a tier and what they start.
 if(ALOFT_TESTS)
-  foreach(label unit integration statistics soak threads)
+  foreach(label unit integration statistics soak threads middleware)
     add_custom_target(tests_${label})
   endforeach()
 endif()
 
 function(aloft_add_test name)
-  cmake_parse_arguments(ARG "USE_THREADS" "TIER;TIMEOUT" "SOURCES;DEPS;NEEDS" ${ARGN})
+  cmake_parse_arguments(ARG "USE_THREADS;MIDDLEWARE" "TIER;TIMEOUT" "SOURCES;DEPS;NEEDS" ${ARGN})
   if(NOT ALOFT_TESTS)
     return()
   endif()
@@ -71,6 +72,9 @@ function(aloft_add_test name)
   set(labels ${ARG_TIER})
   if(ARG_USE_THREADS OR "${CMAKE_CURRENT_SOURCE_DIR}/" MATCHES "^${CMAKE_SOURCE_DIR}/(common/bus|services)/")
     list(APPEND labels threads)
+  endif()
+  if(ARG_MIDDLEWARE OR "${CMAKE_CURRENT_SOURCE_DIR}/" MATCHES "^${CMAKE_SOURCE_DIR}/common/bus/")
+    list(APPEND labels middleware)
   endif()
   if((ALOFT_SANITIZE AND ARG_TIER STREQUAL "statistics")
      OR (ALOFT_SANITIZE STREQUAL "thread" AND labels STREQUAL "unit"))

@@ -3,6 +3,7 @@
 #   tools/test.sh                  format check, unit, integration and statistics tests
 #   tools/test.sh unit             one tier only: unit, integration, statistics or soak
 #   tools/test.sh threads          the tests for ThreadSanitizer: of the bus and of services in one process
+#   tools/test.sh middleware       what another release's Fast DDS could break first: bus, workers, the quick run
 #   tools/test.sh --preset asan    the tests under AddressSanitizer and UBSan (or tsan: ThreadSanitizer); with a tier: only that
 #   tools/test.sh --on debian13    the tests on that release of Debian (or debian12), whatever this machine has; as root
 #   tools/test.sh --lint           clang-format and clang-tidy over all sources
@@ -10,7 +11,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage() { sed -n '2,9p' "$0" >&2; exit 2; }
+usage() { sed -n '2,10p' "$0" >&2; exit 2; }
 
 preset=release
 tier=""
@@ -31,14 +32,14 @@ while [ $# -gt 0 ]; do
       tools/test.sh --preset tsan
       exec tools/test.sh
       ;;
-    unit | integration | statistics | soak | threads) tier=$1; shift ;;
+    unit | integration | statistics | soak | threads | middleware) tier=$1; shift ;;
     *) usage ;;
   esac
 done
 
 # A tier installs and builds what it runs, and no more.
 case "$tier" in
-  unit | statistics | threads) purpose=tests ;;
+  unit | statistics | threads | middleware) purpose=tests ;;
   *) purpose=integration ;;
 esac
 setup=(tools/setup.sh --for "$purpose" "$preset" ${tier:+"tests_$tier"})

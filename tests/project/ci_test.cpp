@@ -70,7 +70,8 @@ TEST_CASE("tools/test.sh --on RELEASE builds with a network and runs the same te
 }
 
 TEST_CASE(
-    "ThreadSanitizer looks at every test of bus and services that runs in one process; integration tests run alone") {
+    "ThreadSanitizer looks at every test of bus and services that runs in one process, the tier middleware at bus and "
+    "worker; integration tests run alone") {
   const Finished listed = run_command(
       {"/bin/bash", "-c", "ctest --test-dir '" + bin_dir().parent_path().string() + "' --show-only=json-v1"});
   REQUIRE(listed.exit_code == 0);
@@ -80,11 +81,13 @@ TEST_CASE(
     return nlohmann::json();
   };
   std::string threads;
+  std::string middleware;
   const nlohmann::json all = nlohmann::json::parse(listed.out);
   for (const nlohmann::json& test : all.at("tests")) {
     const nlohmann::json labels = property(test, "LABELS");
     const auto has = [&](const char* label) { return std::find(labels.begin(), labels.end(), label) != labels.end(); };
     if (has("threads")) threads += test.at("name").get<std::string>() + " ";
+    if (has("middleware")) middleware += test.at("name").get<std::string>() + " ";
     INFO(test.at("name"));
     if (has("integration") || has("soak")) CHECK(property(test, "RUN_SERIAL") == true);
   }
@@ -93,4 +96,7 @@ TEST_CASE(
         "aloft_channel_tests", "aloft_agent_host_tests", "aloft_collector_tests", "aloft_coordinator_tests",
         "aloft_metrics_http_tests", "aloft_standstill_watch_tests", "aloft_run_view_tests"})
     CHECK_THAT(threads, Contains(test));
+  INFO("what is run on another release of Debian in CI");
+  for (const char* test : {"aloft_bus_tests", "aloft_rediscovery_tests", "aloft_worker_tests", "aloft_quick_tests"})
+    CHECK_THAT(middleware, Contains(test));
 }

@@ -1,13 +1,36 @@
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
+#include "common/agents/steering.hpp"
 #include "common/flight/testing/conformance.hpp"
 
 using namespace aloft::agents;
 
 TEST_CASE("local-bandit conforms") {
   aloft::flight::check_conformance("local-bandit");
+}
+
+TEST_CASE("a state of a flight with impossible heights is refused before memory is asked for") {
+  const AgentSpec spec = parse_agents("local-bandit", "agents[0]").front();
+  const auto restore = [&](double low_m, double high_m, double step_m) {
+    StateWriter writer(spec.type, spec.parameters);
+    save_flight(writer, {QosKind::throughput, low_m, high_m, step_m, 10, 1, 0});
+    writer.put_number("height_m", low_m);
+    writer.put_integer("step", 0);
+    spec.make()->restore_state(writer.bytes());
+  };
+  const double nan = std::nan("");
+  for (const auto& [low_m, high_m, step_m] : {std::array{0.0, 1e5, 1e-3},
+                                              {-1e300, 1e300, 1e299},
+                                              {nan, 100.0, 10.0},
+                                              {0.0, nan, 10.0},
+                                              {0.0, 100.0, nan},
+                                              {100.0, 0.0, 10.0}})
+    CHECK_THROWS_WITH(restore(low_m, high_m, step_m), Catch::Contains("impossible heights"));
+  CHECK_THROWS_WITH(restore(40.0, 240.0, 10.0), Catch::Contains("'estimate' is missing"));
 }
 
 TEST_CASE("local-bandit weighs known, stale and unknown heights") {

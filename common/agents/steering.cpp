@@ -3,7 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/limits.hpp"
+
 namespace aloft::agents {
+namespace {
+
+/// As in reports on the wire (bus/topics.def), or as before the first flight, when all of it is 0.
+bool possible(const FlightInfo& flight) noexcept {
+  const double range_m = flight.height_max_m - flight.height_min_m;
+  return std::fabs(flight.height_min_m) <= limits::height_m && std::fabs(flight.height_max_m) <= limits::height_m &&
+         range_m >= 0.0 && range_m <= limits::heights * flight.height_step_m &&
+         flight.height_step_m <= limits::height_m;
+}
+
+}  // namespace
 
 void save_flight(StateWriter& writer, const FlightInfo& flight) {
   writer.put_integer("flight.qos", static_cast<std::uint64_t>(flight.qos));
@@ -26,6 +39,7 @@ FlightInfo restore_flight(const StateReader& reader) {
   flight.steps = static_cast<std::uint32_t>(reader.integer("flight.steps"));
   flight.seed = reader.integer("flight.seed");
   flight.trial = static_cast<std::uint32_t>(reader.integer("flight.trial"));
+  if (!possible(flight)) reader.refuse("it is of a flight with impossible heights");
   return flight;
 }
 

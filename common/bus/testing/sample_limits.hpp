@@ -250,6 +250,7 @@ struct SampleLimits<wire::ChannelReport> {
             {"height_min_m", [](auto& s) { s.height_min_m(nan); }},
             {"height_max_m", [](auto& s) { s.height_max_m(39); }},
             {"height_step_m", [](auto& s) { s.height_step_m(0); }},
+            {"height_step_m", [](auto& s) { s.height_step_m(0.04); }},
             {"steps", [](auto& s) { s.steps(0); }},
             {"steps", [](auto& s) { s.steps(limits::steps + 1); }},
             {"step", [](auto& s) { s.step(101); }},

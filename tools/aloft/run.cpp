@@ -9,6 +9,7 @@
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/supervise/local_experiment.hpp"
 #include "tools/aloft/table_options.hpp"
+#include "tools/report/report.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -31,8 +32,9 @@ int run(const RunOptions& options) {
   std::fflush(stdout);
   fmt::print(stderr, "{}",
              wrapped(fmt::format("Results: {} (summary.json, summary.csv, results.sqlite, experiment.json{}); see them "
-                                 "with: aloft report {}",
-                                 dir.string(), options.flying.in_process ? "" : ", log/", dir.string()),
+                                 "with: {}aloft report {}",
+                                 dir.string(), options.flying.in_process ? "" : ", log/",
+                                 report::has_charts() ? "" : "tools/setup.sh && ", dir.string()),
                      text_width(STDERR_FILENO)));
   return exit_code;
 }

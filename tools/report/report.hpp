@@ -24,6 +24,11 @@ struct WrittenReport {
   std::size_t charts = 0;              ///< SVG files written
 };
 
+/// Whether this program was built with the charts.
+[[nodiscard]] inline bool has_charts() {
+  return !embedded_page().empty();
+}
+
 /// InputError if `page` is empty: this program was built without the charts (ALOFT_REPORT_CHARTS).
 void require_charts(std::string_view page = embedded_page());
 

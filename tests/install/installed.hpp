@@ -6,7 +6,8 @@
 
 namespace aloft::test {
 
-/// Where this build has been installed with cmake --install, and then moved to, as a user may do. Made once per program.
+/// Where this build has been installed with cmake --install, and then moved to, as a user may do. Made once per
+/// program.
 [[nodiscard]] const std::filesystem::path& installed();
 
 /// All files below a folder, sorted, relative to it.

@@ -10,8 +10,8 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
-set(ALOFT_SANITIZE "" CACHE STRING "Sanitizers for our code: empty, address or thread")
-set_property(CACHE ALOFT_SANITIZE PROPERTY STRINGS "" address thread)
+set(ALOFT_SANITIZE "" CACHE STRING "Sanitizers for our code: empty, address, thread, or fuzzer (libFuzzer with address; needs clang)")
+set_property(CACHE ALOFT_SANITIZE PROPERTY STRINGS "" address thread fuzzer)
 
 # Instrumented code compiles about twice as fast at -O1, and libraries and programs again in one translation unit each,
 # because headers are most of the work; assertions stay on there, to find more.
@@ -43,7 +43,8 @@ target_include_directories(aloft_options INTERFACE "${CMAKE_SOURCE_DIR}")
 # g++ takes std::regex for uninitialized when instrumented, and files that share a translation unit have names in common
 # and are included; such warnings are for the release build.
 if(ALOFT_SANITIZE)
-  target_compile_options(aloft_options INTERFACE -Wno-maybe-uninitialized -Wno-shadow -Wno-subobject-linkage)
+  target_compile_options(aloft_options INTERFACE -Wno-shadow
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-subobject-linkage>)
 endif()
 if(ALOFT_SANITIZE STREQUAL "address")
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
@@ -51,8 +52,11 @@ if(ALOFT_SANITIZE STREQUAL "address")
 elseif(ALOFT_SANITIZE STREQUAL "thread")
   add_compile_options(-fsanitize=thread -fno-omit-frame-pointer -g1)
   add_link_options(-fsanitize=thread)
+elseif(ALOFT_SANITIZE STREQUAL "fuzzer")
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+  add_link_options(-fsanitize=address,undefined)
 elseif(ALOFT_SANITIZE)
-  message(FATAL_ERROR "ALOFT_SANITIZE is '${ALOFT_SANITIZE}'; allowed: empty, address, thread")
+  message(FATAL_ERROR "ALOFT_SANITIZE is '${ALOFT_SANITIZE}'; allowed: empty, address, thread, fuzzer")
 endif()
 
 find_package(Threads REQUIRED)

@@ -6,8 +6,9 @@
 #   tools/setup.sh --for tests         programs, tests and benchmarks
 #   tools/setup.sh --for integration   likewise, and installs what only integration tests need
 #   tools/setup.sh --for lint          likewise, and installs what only tools/lint.sh needs
+#   tools/setup.sh --for fuzz          likewise, and installs what only tools/fuzz.sh needs
 #   tools/setup.sh ... --install       only installs
-#   tools/setup.sh ... release | asan | tsan [TARGET ...]    the kind of build; the targets to build, instead of all
+#   tools/setup.sh ... release | asan | tsan | fuzz [TARGET ...]    the kind of build; the targets to build, instead of all
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 refuse() { echo "tools/setup.sh: $*" >&2; exit 2; }
@@ -18,6 +19,7 @@ declare -A groups_for=(
   [tests]="flight report tests"
   [integration]="flight report tests integration"
   [lint]="flight report tests lint"
+  [fuzz]="flight report tests fuzz"
 )
 purpose=programs
 install_only=""
@@ -25,7 +27,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --for)
       purpose=${2:-}
-      [ -n "${groups_for[${purpose:-none}]:-}" ] || refuse "--for '$purpose' is unknown; use flight, programs, tests, integration or lint"
+      [ -n "${groups_for[${purpose:-none}]:-}" ] || refuse "--for '$purpose' is unknown; use flight, programs, tests, integration, lint or fuzz"
       shift 2
       ;;
     --install) install_only=yes; shift ;;
@@ -35,8 +37,8 @@ done
 preset=${1:-release}
 [ $# -eq 0 ] || shift
 case "$preset" in
-  release | asan | tsan) ;;
-  *) refuse "unknown preset '$preset'; use release, asan or tsan" ;;
+  release | asan | tsan | fuzz) ;;
+  *) refuse "unknown preset '$preset'; use release, asan, tsan or fuzz" ;;
 esac
 groups=" ${groups_for[$purpose]} "
 

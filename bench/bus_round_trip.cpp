@@ -28,11 +28,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int pings_per_turn = 100;
 
-bus::BusOptions place(const char* process) {
+bus::BusOptions place(const char* process, bool guarded = true) {
   return {.run = "bus-benchmark-" + std::to_string(getpid()),
-          .worker = "w0",
+          .worker = guarded ? "w0" : "w1",
           .process = process,
-          .domain = 10 + static_cast<int>(getpid() % 90)};
+          .domain = 10 + static_cast<int>(getpid() % 90),
+          .guarded = guarded};
 }
 
 wire::ChannelReport example_report() {
@@ -59,7 +60,7 @@ wire::HeightCommand example_command() {
 /// Ping and pong through common/bus, each in its own participant.
 class BusPair {
  public:
-  BusPair() : echo_([this] { echo(); }) {
+  explicit BusPair(bool guarded = true) : guarded_(guarded), echo_([this] { echo(); }) {
     waiter_.add(commands_);
     while (commands_.matched() == 0 || reports_.matched() == 0) std::this_thread::sleep_for(1ms);
     std::this_thread::sleep_for(200ms);
@@ -78,7 +79,7 @@ class BusPair {
 
  private:
   void echo() {
-    const bus::Participant there(place("pong"));
+    const bus::Participant there(place("pong", guarded_));
     bus::Reader<wire::ChannelReport> reports(there);
     bus::Writer<wire::HeightCommand> commands(there);
     bus::Waiter waiter;
@@ -91,9 +92,10 @@ class BusPair {
     }
   }
 
+  bool guarded_;
   std::atomic<bool> stop_{false};
   std::thread echo_;
-  bus::Participant here_{place("ping")};
+  bus::Participant here_{place("ping", guarded_)};
   bus::Writer<wire::ChannelReport> reports_{here_};
   bus::Reader<wire::HeightCommand> commands_{here_};
   bus::Waiter waiter_;
@@ -223,6 +225,22 @@ void bus_round_trip(benchmark::State& state) {
   state.counters["ratio_p50"] = quantile(ours_us, 0.5) / quantile(bare_us, 0.5);  // goal: at most 1.3
 }
 BENCHMARK(bus_round_trip)->Iterations(50)->Unit(benchmark::kMillisecond);
+
+/// With and without the guard before the middleware, in turns.
+void guard_round_trip(benchmark::State& state) {
+  BusPair guarded;
+  BusPair bare(false);
+  std::vector<double> guarded_us;
+  std::vector<double> bare_us;
+  for ([[maybe_unused]] auto _ : state) {
+    turn(guarded, guarded_us);
+    turn(bare, bare_us);
+  }
+  state.counters["guarded_p50_us"] = quantile(guarded_us, 0.5);
+  state.counters["bare_p50_us"] = quantile(bare_us, 0.5);
+  state.counters["ratio_p50"] = quantile(guarded_us, 0.5) / quantile(bare_us, 0.5);  // goal: at most 1.03
+}
+BENCHMARK(guard_round_trip)->Iterations(200)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace aloft

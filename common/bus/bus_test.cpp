@@ -1,6 +1,7 @@
 // Writers and readers over the real transport, each in its own participant.
 #include <idl/controlPubSubTypes.h>
 #include <idl/flightPubSubTypes.h>
+#include <idl/recordPubSubTypes.h>
 #include <idl/worldPubSubTypes.h>
 #include <signal.h>
 #include <unistd.h>
@@ -20,7 +21,9 @@
 #include "common/base/error.hpp"
 #include "common/bus/detail.hpp"
 #include "common/bus/endpoint.hpp"
+#include "common/bus/testing/sample_limits.hpp"
 #include "common/bus/waiter.hpp"
+#include "tests/faults/rogue.hpp"
 
 namespace aloft {
 namespace {
@@ -285,6 +288,7 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   bad.push_back({0, 1, 0, 0});                        // a header alone
   bad.emplace_back(good.begin(), good.begin() + 20);  // cut off
   bad.emplace_back(300, 0xFF);                        // noise
+  std::copy_n(good.begin(), 4, bad.back().begin());   // that is said to be CDR
   bad.push_back(good);                                // trailing bytes
   bad.back().resize(good.size() + 40, 0);
   wire::HeightCommand nan = command(9, 2);
@@ -304,6 +308,84 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   CHECK_FALSE(reader.take(sample));
   CHECK(reader.drops().malformed >= 4);  // the middleware looks at a sample more than once
   CHECK(reader.drops().invalid == 2);
+}
+
+TEST_CASE("samples in another representation than CDR stop at the guard; those of other writers arrive") {
+  const bus::Participant there(place("there"));
+  bus::Reader<wire::EpisodeStored> reader(there);
+  const bus::Participant stranger(place("stranger"));
+  const bus::Participant here(place("here"));
+  test::Rogue<wire::EpisodeStored, wire::EpisodeStoredPubSubType> rogue(stranger);
+  bus::Writer<wire::EpisodeStored> writer(here);
+  REQUIRE(eventually([&] { return rogue.matched() == 1 && writer.matched() == 1 && reader.matched() == 2; }));
+  wire::EpisodeStored stored;
+  stored.digest(std::string(64, 'a'));
+  std::vector<unsigned char> xcdr2 = rogue.bytes_of(stored);
+  xcdr2[1] = 7;
+  rogue.write_bytes(stored, xcdr2);
+  const auto counted = [&] { return there.refused().at(static_cast<std::size_t>(bus::Refusal::encapsulation)); };
+  CHECK(eventually([&] { return counted() > 0; }));
+  stored.episode_id(5);
+  writer.write(stored);
+  wire::EpisodeStored sample;
+  REQUIRE(take_within(reader, sample));
+  CHECK(sample.episode_id() == 5);
+  CHECK(there.drops() == 0);
+}
+
+namespace {
+
+/// Exchanges a good sample of a topic between two participants, there and back.
+template <class T>
+void exchange(const bus::Participant& here, const bus::Participant& there, T good) {
+  for (const auto& [from, to] : {std::pair(&here, &there), std::pair(&there, &here)}) {
+    bus::Writer<T> writer(*from);
+    bus::Reader<T> reader(*to);
+    INFO(bus::topic_settings<T>().name);
+    REQUIRE(eventually([&] { return writer.matched() == 1 && reader.matched() == 1; }));
+    writer.write(good);
+    T sample;
+    REQUIRE(take_within(reader, sample));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the guard lets everything pass that two participants exchange on all topics, in fragments too") {
+  const bus::Participant here(place("here"));
+  const bus::Participant there(place("there"));
+#define ALOFT_TOPIC(type, ...) exchange(here, there, bus::testing::SampleLimits<wire::type>::good());
+#include "common/bus/topics.def"
+  wire::EpisodeRecord record = bus::testing::SampleLimits<wire::EpisodeRecord>::good();
+  record.trace().resize(300'000);
+  for (int bytes = 0; bytes < 4; ++bytes) {
+    record.trace().push_back(7);
+    exchange(here, there, record);
+  }
+  record.agent_memory().resize(limits::memory_bytes);
+  exchange(here, there, record);
+  for (const bus::Participant* participant : {&here, &there})
+    for (std::size_t reason = 0; reason < bus::refusal_names.size(); ++reason) {
+      INFO(bus::refusal_names.at(reason));
+      CHECK(participant->refused().at(reason) == 0);
+    }
+}
+
+TEST_CASE("samples are padded to four bytes") {
+  bus::DropCounter drops("EpisodeRecord");
+  bus::CheckedType<wire::EpisodeRecordPubSubType> checked(drops);
+  wire::EpisodeRecord record = bus::testing::SampleLimits<wire::EpisodeRecord>::good();
+  for (std::size_t bytes = 1; bytes <= 8; ++bytes) {
+    record.agent_memory().resize(bytes);
+    const std::uint32_t size = checked.getSerializedSizeProvider(&record)();
+    CHECK(size % 4 == 0);
+    eprosima::fastrtps::rtps::SerializedPayload_t payload(size);
+    REQUIRE(checked.serialize(&record, &payload));
+    CHECK(payload.length == size);
+    wire::EpisodeRecord back;
+    REQUIRE(checked.deserialize(&payload, &back));
+    CHECK(back.agent_memory().size() == bytes);
+  }
 }
 
 TEST_CASE("a malformed sample that claims to be huge gets no memory") {

@@ -15,12 +15,14 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "common/bus/guard/datagram_guard.hpp"
 #include "common/bus/middleware/duration.hpp"
 #include "common/bus/neighbourhood.hpp"
 #include "common/bus/participant.hpp"
@@ -51,14 +53,25 @@ class DropCounter {
 };
 
 /// The generated type support, made safe: the middleware calls deserialize() from its receiving threads and does not
-/// survive an exception there. Samples whose size does not fit their content (a text that would be cut, trailing
-/// bytes) are malformed too.
+/// survive an exception there. Samples are padded to four bytes: the middleware writes a number of four bytes into each
+/// fragment that it waits for, and the guard refuses samples whose last one has no room for it. Samples whose size does
+/// not fit their content (a text that would be cut, trailing bytes) are malformed too.
 template <class Generated>
 class CheckedType : public Generated {
  public:
   explicit CheckedType(DropCounter& drops) : drops_(drops) {
     this->auto_fill_type_information(false);
     this->auto_fill_type_object(false);
+  }
+
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [size = Generated::getSerializedSizeProvider(data)] { return (size() + 3U) & ~3U; };
+  }
+
+  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+    if (!Generated::serialize(data, payload)) return false;
+    while (payload->length % 4 != 0 && payload->length < payload->max_size) payload->data[payload->length++] = 0;
+    return true;
   }
 
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
@@ -127,6 +140,7 @@ struct Participant::State {
   void remove(eprosima::fastdds::dds::DataReader& reader);
 
   BusOptions options;
+  std::shared_ptr<guard::DatagramGuard> guard;
   mutable std::mutex mutex;  // also held while the quality of service of an endpoint changes
   Neighbourhood neighbourhood;
   RediscoveryThread rediscovery{neighbourhood.rediscovery(), [this](const auto& question) { ask(question); },

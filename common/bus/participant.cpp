@@ -93,7 +93,7 @@ void secure(const security::KeyFiles& files, dds::DomainParticipantQos& qos) {
   properties.emplace_back("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
 }
 
-dds::DomainParticipantQos participant_qos(const BusOptions& options) {
+dds::DomainParticipantQos participant_qos(const BusOptions& options, std::shared_ptr<guard::DatagramGuard> guard) {
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
 
@@ -103,8 +103,9 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options) {
   udp->sendBufferSize = socket_buffer_bytes;
   udp->receiveBufferSize = socket_buffer_bytes;
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(options.secure.empty() ? Transport(udp)
-                                                                   : one_message_at_a_time(without_clear_text(udp)));
+  const Transport checked = options.guarded ? guarded(std::move(guard), udp) : Transport(udp);
+  qos.transport().user_transports.push_back(
+      options.secure.empty() ? checked : one_message_at_a_time(without_clear_text(checked)));
 
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = duration(longest_standstill(options).value_or(options.lease));
@@ -147,6 +148,10 @@ std::uint64_t Participant::drops() const {
   return total;
 }
 
+RefusalCounts Participant::refused() const {
+  return state_->guard->refused();
+}
+
 std::vector<std::string> Participant::runs() const {
   return state_->neighbourhood.runs();
 }
@@ -155,7 +160,8 @@ std::vector<std::string> Participant::absent(std::chrono::milliseconds patience)
   return state_->neighbourhood.rediscovery().absent(patience, Rediscovery::Clock::now());
 }
 
-Participant::State::State(const BusOptions& wanted) : options(wanted) {
+Participant::State::State(const BusOptions& wanted)
+    : options(wanted), guard(std::make_shared<guard::DatagramGuard>(!wanted.discovery_server.empty())) {
   if (options.domain < 0 || options.domain > max_domain)
     throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));
   check_name("run", options.run);
@@ -165,7 +171,7 @@ Participant::State::State(const BusOptions& wanted) : options(wanted) {
     wait_until_running(interface);
   }
   prepare_middleware();
-  dds::DomainParticipantQos qos = participant_qos(options);
+  dds::DomainParticipantQos qos = participant_qos(options, guard);
   if (!options.secure.empty()) {
     // The GUID prefix of a secured participant is derived from its certificate, that of a server is fixed.
     if (!options.discovery_server.empty())

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/bus/guard/refusal.hpp"
 #include "common/bus/topics.hpp"
 
 namespace aloft::bus {
@@ -36,6 +37,7 @@ struct BusOptions {
   Role role = Role::observer;  ///< in a secured run
   /// A process that is silent for this long is forgotten; not in a secured run, and not with a discovery server.
   std::chrono::milliseconds lease{1500};
+  bool guarded = true;  ///< false only where the guard's cost is measured (bench/bus_round_trip.cpp)
 };
 
 /// A process that stands still for longer than this is not accepted by its peers again, and must be restarted; nullopt:
@@ -60,6 +62,8 @@ class Participant {
   [[nodiscard]] const BusOptions& options() const noexcept;
   /// Drops over all topics.
   [[nodiscard]] std::uint64_t drops() const;
+  /// Datagrams that the guard kept from the middleware.
+  [[nodiscard]] RefusalCounts refused() const;
   /// Names of the runs in this domain of which a process is known now, sorted; it takes up to 0.5 s to discover all.
   [[nodiscard]] std::vector<std::string> runs() const;
   /// Names and addresses of processes that may be back soon: silent for less than `patience` and not replaced, or back

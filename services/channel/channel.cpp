@@ -394,7 +394,7 @@ struct Channel::State {
     for (const Trial& trial : trials.all()) status.leases().push_back(trial.lease_id);
     status.agents(agents.news(now));
     status.records_unconfirmed(static_cast<std::uint32_t>(outbox.size()));
-    status.drops(participant.drops());
+    status.drops(participant.drops() + bus::total(participant.refused()));
     status.missing(wire::message(missing.text()));
     statuses.write(status);
     changed = false;

@@ -52,6 +52,7 @@ struct Instruments::State {
           .Register(registry)
           .Add({}, prometheus::Histogram::BucketBoundaries(bus::answer_bounds_s.begin(), bus::answer_bounds_s.end()));
   std::array<prometheus::Counter*, rejection_labels.size()> rejected{};
+  std::array<prometheus::Gauge*, bus::refusal_names.size()> refused{};  // without one for Refusal::none
 
   /// What a worker had counted in its last status.
   struct Told {
@@ -70,6 +71,12 @@ Instruments::Instruments() : state_(std::make_unique<State>()) {
                      .Register(state_->registry);
   for (std::size_t i = 0; i < rejection_labels.size(); ++i)
     state_->rejected[i] = &family.Add({{"reason", rejection_labels[i]}});
+  auto& refused = prometheus::BuildGauge()
+                      .Name("aloft_datagrams_refused")
+                      .Help("Datagrams that the guard kept from the middleware")
+                      .Register(state_->registry);
+  for (std::size_t i = 1; i < bus::refusal_names.size(); ++i)
+    state_->refused[i] = &refused.Add({{"reason", std::string(bus::refusal_names[i])}});
 }
 
 Instruments::~Instruments() = default;
@@ -106,6 +113,9 @@ void Instruments::answered(std::string_view worker, std::uint64_t incarnation, c
 }
 void Instruments::set_samples_dropped(double total) {
   state_->dropped.Set(total);
+}
+void Instruments::set_datagrams_refused(const bus::RefusalCounts& counts) {
+  for (std::size_t i = 1; i < counts.size(); ++i) state_->refused[i]->Set(static_cast<double>(counts[i]));
 }
 void Instruments::set_progress(double flights_total, double workers_alive) {
   state_->flights_total.Set(flights_total);

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/bus/answer_times.hpp"
+#include "common/bus/guard/refusal.hpp"
 
 namespace aloft::metrics {
 
@@ -29,6 +30,8 @@ class Instruments {
   void answered(std::string_view worker, std::uint64_t incarnation, const bus::AnswerCounts& counts, double seconds);
   /// Samples that the bus dropped so far: malformed, or of another version or experiment.
   void set_samples_dropped(double total);
+  /// Datagrams that the bus refused so far.
+  void set_datagrams_refused(const bus::RefusalCounts& counts);
   void set_progress(double flights_total, double workers_alive);
 
   /// Text exposition format 0.0.4.

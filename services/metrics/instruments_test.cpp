@@ -25,6 +25,17 @@ TEST_CASE("answer times fall into the bucket that they do not exceed", "[metrics
   CHECK(bus::answered_within_s(counts, 0.99) == INFINITY);
 }
 
+TEST_CASE("datagrams that the guard refuses are told by reason", "[metrics]") {
+  metrics::Instruments instruments;
+  bus::RefusalCounts counts{};
+  counts.at(static_cast<std::size_t>(bus::Refusal::gap)) = 3;
+  instruments.set_datagrams_refused(counts);
+  const std::string text = instruments.prometheus_text();
+  CHECK_THAT(text, Contains("aloft_datagrams_refused{reason=\"gap\"} 3\n"));
+  CHECK_THAT(text, Contains("aloft_datagrams_refused{reason=\"header\"} 0\n"));
+  CHECK(text.find("reason=\"none\"") == std::string::npos);
+}
+
 TEST_CASE("the histogram of answer times grows by what each worker has counted since its last status", "[metrics]") {
   metrics::Instruments instruments;
   bus::AnswerCounts counts{};

@@ -242,6 +242,7 @@ class Conversation {
     const std::string& paused = collector_.paused_because();
     board_.on_tick(now, paused);
     instruments_.set_samples_dropped(static_cast<double>(participant_.drops()));
+    instruments_.set_datagrams_refused(participant_.refused());
     const bool changed = paused.empty() == was_paused_;
     if (changed && paused.empty()) spdlog::warn("stores again");
     if (!paused.empty() && (changed || now - said_at_ >= say_again_time)) {

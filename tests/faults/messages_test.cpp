@@ -101,11 +101,10 @@ class Pestered {
     const std::vector<unsigned char> whole = Rogue<T, Generated>::bytes_of(newer);
     std::vector<unsigned char> longer = whole;
     longer.resize(whole.size() + 40);
+    std::vector<unsigned char> noise(300, 0xFF);
+    std::copy_n(whole.begin(), 4, noise.begin());  // its encapsulation: the guard refuses any other
     const std::vector<std::vector<unsigned char>> malformed{
-        {0, 1, 0, 0},
-        {whole.begin(), whole.begin() + static_cast<long>(whole.size() / 2)},
-        std::vector<unsigned char>(300, 0xFF),
-        longer};
+        {0, 1, 0, 0}, {whole.begin(), whole.begin() + static_cast<long>(whole.size() / 2)}, noise, longer};
     send_until_told("a malformed", [&] {
       for (const auto& bytes : malformed) rogue.write_bytes(newer, bytes);
     });

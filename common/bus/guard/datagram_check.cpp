@@ -251,9 +251,12 @@ Refusal check_data_frag(const Submessage& submessage, Claims& claims) {
   ParticipantFacts facts;
   if ((submessage.flags & has_inline_qos) != 0)
     if (const Refusal refusal = check_parameters(in, facts); refusal != Refusal::none) return refusal;
-  // The middleware keeps a list of missing fragments in their own place, as numbers of four bytes.
+  // The middleware keeps a list of missing fragments in their own place, as numbers of four bytes: so each must have
+  // room for one. Our writers pad their samples (CheckedType).
+  constexpr std::uint64_t smallest_last_bytes = 4;
   const bool sizes = fragment_bytes >= smallest_fragment_bytes && fragment_bytes % 4 == 0 &&
-                     sample_bytes > fragment_bytes && sample_bytes <= largest_sample_bytes;
+                     sample_bytes > fragment_bytes && sample_bytes <= largest_sample_bytes &&
+                     (sample_bytes - 1) % fragment_bytes + 1 >= smallest_last_bytes;
   if (!sizes || first == 0 || count == 0) return Refusal::fragment;
   const std::uint64_t total = (sample_bytes + fragment_bytes - 1) / fragment_bytes;
   if (first + count - 1 > total) return Refusal::fragment;

@@ -20,7 +20,7 @@ inline constexpr std::size_t largest_sample_bytes =
 /// Samples in fragments arrive in pieces of at least this size.
 inline constexpr std::size_t smallest_fragment_bytes = 1024;
 /// The middleware remembers each missing sample by itself, in 48 bytes.
-inline constexpr std::int64_t widest_gap = 1 << 17;
+inline constexpr std::int64_t widest_gap = 1 << 16;
 
 /// What a datagram asks the middleware to remember, to be weighed against what its sender asked for before
 /// (sender_limits.hpp).

@@ -16,8 +16,9 @@ class SenderLimits {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Hosts have ports for 120 participants of a domain.
-  static constexpr std::size_t participants_per_address = 160;
+  /// Hosts have ports for 120 participants of a domain; all of them may have been killed and started again before the
+  /// old ones are forgotten. The middleware takes about 26 KB for each.
+  static constexpr std::size_t participants_per_address = 256;
   static constexpr std::size_t max_participants = 4096;
   /// From an address, of senders that have not announced themselves: at once, and for each second.
   static constexpr double unannounced_at_once = 4096;

@@ -56,6 +56,7 @@ enter() {
   set -euo pipefail
   trap 'exit 130' INT
   trap 'exit 143' TERM
+  mount --bind "$root" "$root"  # in a root that is no mount, commands could not have mounts of their own
   mount -t proc proc "$root/proc"
   mount -t sysfs -o ro sys "$root/sys" 2> /dev/null || mount --rbind /sys "$root/sys"
   mount --rbind /dev "$root/dev"

@@ -19,3 +19,18 @@ install(CODE "
   set(ALOFT_MADE \"${CMAKE_BINARY_DIR}/installed\")
   set(ALOFT_PROGRAMS ${ALOFT_PROGRAMS})
   include(\"${CMAKE_CURRENT_LIST_DIR}/install_made.cmake\")" COMPONENT runtime)
+
+# Component dev: the headers of common/agents/plugin.hpp and what they include, find_package(aloft), and the example.
+set(ALOFT_PLUGIN_HEADERS
+    common/agents/agent.hpp common/agents/best_height.hpp common/agents/look.hpp common/agents/observation.hpp
+    common/agents/plugin.hpp common/agents/privilege.hpp common/agents/registry.hpp common/agents/state_archive.hpp
+    common/agents/steering.hpp common/base/error.hpp common/base/limits.hpp common/base/parameters.hpp
+    common/base/random.hpp common/radio/reading.hpp)
+foreach(header ${ALOFT_PLUGIN_HEADERS})
+  get_filename_component(folder "${header}" DIRECTORY)
+  install(FILES "${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/aloft/${folder}" COMPONENT dev)
+endforeach()
+write_basic_package_version_file("${CMAKE_BINARY_DIR}/aloft-config-version.cmake" COMPATIBILITY ExactVersion)
+install(FILES cmake/aloft-config.cmake "${CMAKE_BINARY_DIR}/aloft-config-version.cmake" DESTINATION lib/cmake/aloft
+        COMPONENT dev)
+install(DIRECTORY examples/ DESTINATION "${CMAKE_INSTALL_DOCDIR}/examples" COMPONENT dev)

@@ -14,12 +14,15 @@
 #include <CLI/Validators.hpp>
 #include <optional>
 #include <system_error>
+#include <vector>
 
+#include "common/agents/load_plugin.hpp"
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "services/runtime/help_format.hpp"
 #include "services/runtime/plain_log.hpp"
+#include "services/runtime/plugin_flag.hpp"
 #include "services/runtime/standstill_watch.hpp"
 
 namespace aloft::runtime {
@@ -35,6 +38,7 @@ struct CommonOptions {
   std::string log_level = "info";
   bool die_with_parent = false;
   bool verbose = false;
+  std::vector<std::string> plugins;
 };
 
 void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
@@ -48,6 +52,7 @@ void declare(CLI::App& app, CommonOptions& options, const ServiceInfo& info) {
       ->capture_default_str();
   app.add_flag("--verbose", options.verbose, "Log to standard error what goes to the file, not only warnings");
   app.add_flag("--die-with-parent", options.die_with_parent, "End when the process that started this one ends");
+  add_plugin_flag(app, options.plugins);
   if (info.in_worker)
     app.add_option("--worker", options.bus.worker, "Name of the worker that this process belongs to")
         ->required()
@@ -130,6 +135,7 @@ int serve(const CommonOptions& options, const ServiceInfo& info, const std::func
   Notifier notifier(options.die_with_parent);
   if (options.die_with_parent) follow_parent();
   open_log(options, info, made);
+  for (const std::string& plugin : options.plugins) agents::load_plugin(plugin);
   Service service{options.bus, stop, notifier};
   service.bus.process = info.name;
   if (!service.bus.secure.empty()) service.bus.role = security::role_from_text(info.name.substr(program_prefix.size()));

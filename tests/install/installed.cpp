@@ -13,7 +13,8 @@ struct Installation {
   Installation() {
     const std::filesystem::path first = scratch / "first";
     const Finished finished = run_command(
-        {"/usr/bin/env", "cmake", "--install", bin_dir().parent_path().string(), "--prefix", first.string()});
+        {"/usr/bin/env", "cmake", "--install", bin_dir().parent_path().string(), "--prefix", first.string()},
+        std::chrono::seconds(300));
     INFO(finished.out << finished.err);
     REQUIRE(finished.exit_code == 0);
     std::filesystem::rename(first, prefix);

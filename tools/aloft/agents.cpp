@@ -4,10 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/agents/load_plugin.hpp"
 #include "common/agents/registry.hpp"
 #include "common/agents/relay.hpp"
+#include "common/base/error.hpp"
 #include "common/base/terminal.hpp"
 #include "common/base/text_layout.hpp"
+#include "common/flight/testing/conformance.hpp"
 #include "tools/aloft/commands.hpp"
 
 namespace aloft::cli {
@@ -17,12 +20,14 @@ using agents::AgentType;
 using agents::Privilege;
 
 nlohmann::json as_json(const AgentType& type) {
+  const agents::LoadedPlugin* plugin = agents::plugin_of(type.name);
   return {{"name", type.name},
           {"description", type.description},
           {"privilege", agents::privilege_tier(type.privilege).name},
           {"unconstrained", type.unconstrained},
           {"learns", type.is_learner()},
           {"name_parameter", type.name_parameter.empty() ? nlohmann::json() : nlohmann::json(type.name_parameter)},
+          {"plugin", plugin == nullptr ? nlohmann::json() : nlohmann::json(plugin->file.string())},
           {"provenance", type.provenance ? type.provenance() : nlohmann::json()},
           {"parameters", schema_properties(type.parameters)}};
 }
@@ -76,6 +81,8 @@ void print_text(const AgentType& type, bool brief) {
   const Printer print;
   print.item(0, type.name + marks_of(type));
   print.item(4, type.description);
+  if (const agents::LoadedPlugin* plugin = agents::plugin_of(type.name))
+    print.item(4, fmt::format("plugin: {}", plugin->file.string()));
   if (brief) return;
   if (!type.name_parameter.empty())
     print.item(4, fmt::format("{}-VALUE is short for {} = VALUE", type.name, type.name_parameter));
@@ -99,9 +106,24 @@ struct AgentsOptions {
   std::vector<std::string> names;
   std::string format;
   bool brief = false;
+  bool check = false;
 };
 
+/// Prints what the conformance kit finds; returns the exit code.
+int check_agents(const std::vector<std::string>& names) {
+  if (names.empty()) throw InputError("--check: name the agents to check, e.g. aloft agents --check min-height");
+  std::size_t found = 0;
+  for (const std::string& name : names) {
+    const std::vector<std::string> problems = flight::conformance_problems(name);
+    found += problems.size();
+    for (const std::string& problem : problems) fmt::print("{}\n", problem);
+    if (problems.empty()) fmt::print("{}: conforms\n", name);
+  }
+  return found == 0 ? exit_ok : exit_failure;
+}
+
 int list_agents(const AgentsOptions& options) {
+  if (options.check) return check_agents(options.names);
   std::vector<const AgentType*> types;
   types.reserve(options.names.size());
   for (const std::string& name : options.names) types.push_back(&type_called(name));
@@ -126,6 +148,9 @@ void add_agents(CLI::App& app, Job& job) {
   auto options = std::make_shared<AgentsOptions>();
   command->add_option("name", options->names, "Only these agents, e.g. dqn");
   command->add_flag("--brief", options->brief, "Without parameters");
+  command->add_flag(
+      "--check", options->check,
+      "Check the named agents instead: bounds, determinism, a fresh start in every flight, save and restore");
   add_format(*command, options->format, {"text", "json"});
   command->callback([options, &job] { job = [options] { return list_agents(*options); }; });
 }

@@ -82,6 +82,7 @@ const CommandExamples all_examples[] = {
     {"agents",
      {{"who can fly", "aloft agents --brief"},
       {"one with all its parameters", "aloft agents dqn"},
+      {"does it keep what every agent promises?", "aloft agents --check random-walk"},
       {"for programs", "aloft agents --format json"}}},
     {"inspect world", {{"the city of one trial", "aloft inspect world quick --condition 2 --trial 3"}}},
     {"inspect table",

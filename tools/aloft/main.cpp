@@ -2,11 +2,13 @@
 
 #include <cstdio>
 
+#include "common/agents/load_plugin.hpp"
 #include "common/base/build_info.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
 #include "services/runtime/help_format.hpp"
+#include "services/runtime/plugin_flag.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/completions.hpp"
 #include "tools/aloft/help.hpp"
@@ -75,6 +77,15 @@ void add_commands(CLI::App& app, aloft::cli::Job& job) {
   add_examples(app);
 }
 
+/// The commands that read experiments or results, or list agents, take --plugin.
+void add_plugin_flags(CLI::App& app, std::vector<std::string>& plugins) {
+  for (const char* name : {"run", "validate", "tournament", "report", "compare", "export", "digest", "agents",
+                           "coordinator", "metrics", "worker"})
+    aloft::runtime::add_plugin_flag(*app.get_subcommand(name), plugins);
+  for (const char* name : {"world", "table"})
+    aloft::runtime::add_plugin_flag(*app.get_subcommand("inspect")->get_subcommand(name), plugins);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -85,12 +96,15 @@ int main(int argc, char** argv) {
       "aloft"};
   Job job;
   add_commands(app, job);
+  std::vector<std::string> plugins;
+  add_plugin_flags(app, plugins);
   if (argc <= 1) {
     fmt::print(stderr, "{}", app.help());
     return aloft::exit_bad_input;
   }
   try {
     app.parse(argc, argv);
+    for (const std::string& plugin : plugins) aloft::agents::load_plugin(plugin);
     return aloft::runtime::with_output_written(job(), "aloft");  // standard output is for results
   } catch (const CLI::Success& success) {
     return aloft::runtime::with_output_written(app.exit(success), "aloft");

@@ -10,6 +10,7 @@
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
+#include "services/runtime/plugin_flag.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/supervise/processes.hpp"
 
@@ -51,6 +52,8 @@ std::string unnamed_file(const std::string& content) {
                                      "--verbose"};
   const std::vector<std::string> place = runtime::bus_arguments(options.bus);
   arguments.insert(arguments.end(), place.begin(), place.end());
+  const std::vector<std::string> plugins = runtime::plugin_arguments();
+  arguments.insert(arguments.end(), plugins.begin(), plugins.end());
   arguments.insert(arguments.end(), options.more.begin(), options.more.end());
   std::vector<char*> argv;
   argv.reserve(arguments.size() + 1);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -456,12 +455,6 @@ std::vector<std::string> conformance_problems(const nlohmann::json& entry, const
     for (const QosKind kind : kinds)
       for (std::string& problem : Kit(spec, options, kind).problems()) all.push_back(std::move(problem));
   return all;
-}
-
-void check_conformance(const nlohmann::json& entry, const ConformanceOptions& options) {
-  const std::vector<std::string> problems = conformance_problems(entry, options);
-  for (const std::string& problem : problems) FAIL_CHECK(problem);
-  CHECK(problems.empty());
 }
 
 bool depends_on_unmeasured(const AgentSpec& spec, const ConformanceOptions& options) {

@@ -22,7 +22,7 @@ struct ConformanceOptions {
 /// what is wrong and where to look, one sentence each; nothing if the agent conforms.
 [[nodiscard]] std::vector<std::string> conformance_problems(const nlohmann::json& entry,
                                                             const ConformanceOptions& options = {});
-/// The same as Catch2 checks.
+/// The same as Catch2 checks, in the library aloft_agent_conformance.
 void check_conformance(const nlohmann::json& entry, const ConformanceOptions& options = {});
 
 /// Whether the agent's commands change with qualities that the UAV does not measure, or that lie beyond the next step.

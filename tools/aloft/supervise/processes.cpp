@@ -8,6 +8,7 @@
 
 #include "common/base/error.hpp"
 #include "services/runtime/bus_flags.hpp"
+#include "services/runtime/plugin_flag.hpp"
 #include "services/runtime/standstill_watch.hpp"
 
 namespace aloft::cli {
@@ -53,6 +54,8 @@ void Processes::add(const std::string& program, const std::string& worker, const
                                      "--die-with-parent"};
   const std::vector<std::string> place = runtime::bus_arguments(place_);
   arguments.insert(arguments.end(), place.begin(), place.end());
+  const std::vector<std::string> plugins = runtime::plugin_arguments();
+  arguments.insert(arguments.end(), plugins.begin(), plugins.end());
   if (!worker.empty()) arguments.insert(arguments.end(), {"--worker", worker});
   arguments.insert(arguments.end(), more.begin(), more.end());
   commands_.push_back({worker.empty() ? program : program + "-" + worker, std::move(arguments), cores});

@@ -34,3 +34,22 @@ write_basic_package_version_file("${CMAKE_BINARY_DIR}/aloft-config-version.cmake
 install(FILES cmake/aloft-config.cmake "${CMAKE_BINARY_DIR}/aloft-config-version.cmake" DESTINATION lib/cmake/aloft
         COMPONENT dev)
 install(DIRECTORY examples/ DESTINATION "${CMAKE_INSTALL_DOCDIR}/examples" COMPONENT dev)
+
+# cpack: one Debian package per component, with the dependencies that the programs were linked with.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "Aloft maintainers <maintainers@aloft.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL runtime dev)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME aloft)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS nodejs)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "Programs, data, documents and systemd units.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME aloft-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "aloft (= ${PROJECT_VERSION}), nlohmann-json3-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "cmake, g++")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, a CMake package and an example, for agents of your own.")
+include(CPack)

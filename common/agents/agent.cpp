@@ -9,7 +9,7 @@ namespace aloft::agents {
 std::optional<Introspection> showable(const std::optional<Introspection>& thoughts) noexcept {
   const auto finite = [](double value) { return std::isfinite(value); };
   const bool all_finite = thoughts && finite(thoughts->epsilon) && finite(thoughts->loss) &&
-                          std::all_of(thoughts->q_values.begin(), thoughts->q_values.end(), finite);
+                          std::ranges::all_of(thoughts->q_values, finite);
   return all_finite ? thoughts : std::nullopt;
 }
 

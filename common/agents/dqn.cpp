@@ -1,9 +1,6 @@
 #include "common/agents/dqn.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <stdexcept>
 
 #include "common/agents/registry.hpp"
 #include "common/base/error.hpp"
@@ -29,7 +26,7 @@ std::size_t count_of(const Parameters& parameters, std::string_view name) {
 
 template <typename Values>
 std::size_t argmax(const Values& values) {
-  return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+  return static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
 }
 
 learn::NetworkShape network_shape(const Parameters& parameters, std::size_t inputs) {
@@ -93,16 +90,16 @@ Dqn::Dqn(const Parameters& parameters)
       encoder_(encoder_settings(parameters)),
       replay_(count_of(parameters, "replay_capacity")) {
   if (replay_.capacity() < minibatch_)
-    throw InputError(fmt::format("agent dqn: replay_capacity {} is smaller than minibatch {}; it would never train",
-                                 replay_.capacity(), minibatch_));
+    throw InputError("agent dqn: replay_capacity {} is smaller than minibatch {}; it would never train",
+                     replay_.capacity(), minibatch_);
   if (parameters.integer("hidden_width") % 8 != 0)
-    throw InputError(fmt::format("agent dqn: hidden_width {} is not allowed; use a multiple of 8 from 8 to 1024",
-                                 parameters.integer("hidden_width")));
+    throw InputError("agent dqn: hidden_width {} is not allowed; use a multiple of 8 from 8 to 1024",
+                     parameters.integer("hidden_width"));
   if (lifelong_ && memory_bytes(parameters) > limits::memory_bytes)
     throw InputError(
-        fmt::format("agent dqn: memory 'lifelong' would carry {} bytes from flight to flight, at most {} are possible; "
-                    "make hidden_width, hidden_layers or replay_capacity smaller",
-                    memory_bytes(parameters), limits::memory_bytes));
+        "agent dqn: memory 'lifelong' would carry {} bytes from flight to flight, at most {} are possible; "
+        "make hidden_width, hidden_layers or replay_capacity smaller",
+        memory_bytes(parameters), limits::memory_bytes);
 }
 
 void Dqn::begin(const FlightInfo& flight) {
@@ -116,10 +113,10 @@ void Dqn::begin(const FlightInfo& flight) {
   if (!goes_on) {
     start_learning(flight);
   } else if (online_->shape().inputs() != encoder_.inputs()) {
-    throw InputError(fmt::format(
+    throw InputError(
         "agent dqn: with memory 'lifelong' the network of earlier flights has {} inputs, this flight gives {}; do not "
         "mix generated and measured flights in one lineage",
-        online_->shape().inputs(), encoder_.inputs()));
+        online_->shape().inputs(), encoder_.inputs());
   }
 }
 
@@ -210,7 +207,7 @@ Command Dqn::act() {
   } else {
     QValues q{};
     online_->predict(state_, q);
-    std::copy(q.begin(), q.end(), thoughts.q_values.begin());
+    std::ranges::copy(q, thoughts.q_values.begin());
     if (!explore) action = argmax(q);
   }
   return {static_cast<Action>(action + static_cast<std::size_t>(Action::down)), 0.0, thoughts};
@@ -221,11 +218,8 @@ namespace {
 [[maybe_unused]] const bool dqn_registered = register_agent({
     .name = "dqn",
     .description = "The paper's deep Q-network, learning while it flies.",
-    .privilege = Privilege::none,
-    .unconstrained = false,
     .learns = true,
     .looks = {{"dqn", 100, "#d5500a", "#ff8a3d", {1, 0}}},
-    .name_parameter = "",
     .parameters = {dqn_parameters().begin(), dqn_parameters().end()},
     .make = [](const Parameters& parameters) { return std::make_unique<Dqn>(parameters); },
     .lineages =

@@ -40,10 +40,10 @@ std::size_t DqnEncoder::inputs() const noexcept {
 void DqnEncoder::observe(const Observation& observation) {
   const std::size_t neighbours = sinrs() - 1;
   if (observation.neighbour_count < neighbours)
-    throw InputError(fmt::format(
+    throw InputError(
         "agent dqn: the report of step {} has {} neighbour cells, but the state needs {}; lower the agent's parameter "
         "'neighbours' (4 or 5) or let the world report more",
-        observation.step, observation.neighbour_count, neighbours));
+        observation.step, observation.neighbour_count, neighbours);
   Moment now;
   now.sinr_db.push_back(observation.serving_sinr_db);
   for (std::size_t i = 0; i < neighbours; ++i) now.sinr_db.push_back(observation.neighbour_sinr_db.at(i));

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
 #include "common/agents/dqn.hpp"
 #include "common/agents/steering.hpp"
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "common/agents/height_belief.hpp"
@@ -113,7 +112,7 @@ class HeightFilter final : public SteeringAgent {
   /// reachable level with the largest V_1; holds on a tie.
   Command act() override {
     const double per_unit = data_per_unit();
-    std::fill(value_.begin(), value_.end(), 0.0);
+    std::ranges::fill(value_, 0.0);
     for (std::size_t ahead = preset_.horizon_steps; ahead > 0; --ahead) {
       belief_.outlook(persistence_[ahead], per_unit, preset_.optimism, outlook_);
       if (ahead < preset_.horizon_steps)

@@ -66,7 +66,7 @@ class Planner final : public SteeringAgent {
     const auto actions = reader.integers("plan");
     const std::size_t size = std::size_t{flight().steps} * levels_;
     if (!actions.empty() && actions.size() != size) reader.refuse("its plan does not fit its flight");
-    if (std::any_of(actions.begin(), actions.end(), [](std::int64_t action) {
+    if (std::ranges::any_of(actions, [](std::int64_t action) {
           return action < static_cast<std::int64_t>(Action::down) || action > static_cast<std::int64_t>(Action::up);
         }))
       reader.refuse("its plan has an unknown action");

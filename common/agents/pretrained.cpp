@@ -64,8 +64,8 @@ std::string read_model(const std::string& path) {
   try {
     return aloft::read_file(path);
   } catch (const InputError& error) {
-    throw InputError(fmt::format(
-        "{}; give the agent's parameter 'model' a model file, or leave it empty for the built-in one", error.what()));
+    throw InputError("{}; give the agent's parameter 'model' a model file, or leave it empty for the built-in one",
+                     error.what());
   }
 }
 

@@ -17,9 +17,9 @@ constexpr std::uint32_t format_version = 1;
 
 [[noreturn]] void refuse(std::string_view where, std::string_view reason) {
   throw InputError(
-      fmt::format("{}: not a usable model: {}; train one with 'aloft train pretrained', or leave the agent's parameter "
-                  "'model' empty for the built-in one",
-                  where, reason));
+      "{}: not a usable model: {}; train one with 'aloft train pretrained', or leave the agent's parameter "
+      "'model' empty for the built-in one",
+      where, reason);
 }
 
 void add(proto::Model& model, std::string_view quality, const PretrainedModel::Network& network) {
@@ -39,7 +39,7 @@ PretrainedModel::Network take(const proto::Model& model, std::string_view qualit
     if (static_cast<std::size_t>(network.weights_size()) != needed)
       refuse(where, fmt::format("its network for {} has {} weights where {} are needed", quality,
                                 network.weights_size(), needed));
-    if (!std::all_of(network.weights().begin(), network.weights().end(), [](float w) { return std::isfinite(w); }))
+    if (!std::ranges::all_of(network.weights(), [](float w) { return std::isfinite(w); }))
       refuse(where, "a weight is not a finite number");
     return {width, {network.weights().begin(), network.weights().end()}};
   }

@@ -60,7 +60,7 @@ void PretrainedState::encode(std::span<float, inputs> to) const {
   static const auto forget_late = fading_memory(20.0);
   const Memory& m = memory_;
   const float s = scale();
-  std::fill(to.begin(), to.end(), 0.0F);
+  std::ranges::fill(to, 0.0F);
   auto at = to.begin();
   const auto levels = static_cast<int>(m.levels.size());
   for (int offset = -reach; offset <= reach; ++offset, at += 5) {

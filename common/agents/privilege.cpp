@@ -17,7 +17,7 @@ constexpr std::array tiers{
 
 template <typename Condition>
 const PrivilegeTier& first_tier(Condition condition) {
-  const auto* const found = std::find_if(tiers.begin(), tiers.end(), condition);
+  const auto* const found = std::ranges::find_if(tiers, condition);
   if (found == tiers.end()) throw std::logic_error("a privilege without a tier");
   return *found;
 }

@@ -4,15 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
 
 #include "common/agents/relay.hpp"
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/plain_text.hpp"
 
 namespace aloft::agents {
@@ -35,8 +34,8 @@ const AgentType* find_type(std::string_view name) {
 [[noreturn]] void refuse_unknown(std::string_view name, std::string_view where) {
   std::vector<std::string> names;
   for (const AgentType& type : registered_types()) names.push_back(type.name);
-  throw InputError(fmt::format("{}{}unknown agent '{}'.{} Valid agents: {}", where, where.empty() ? "" : ": ",
-                               excerpt(name), did_you_mean(name, names), fmt::join(names, ", ")));
+  throw InputError("{}{}unknown agent '{}'.{} Valid agents: {}", where, where.empty() ? "" : ": ", excerpt(name),
+                   did_you_mean(name, names), fmt::join(names, ", "));
 }
 
 bool is_name_character(char c) {
@@ -45,14 +44,14 @@ bool is_name_character(char c) {
 
 void check_name(const std::string& name, const AgentType& type, std::string_view where) {
   if (!is_agent_name(name))
-    throw InputError(fmt::format("{}: agent name \"{}\" is not allowed; use 1 to {} characters of a-z, 0-9, '.', '-'",
-                                 where, excerpt(name), limits::name_bytes));
+    throw InputError("{}: agent name \"{}\" is not allowed; use 1 to {} characters of a-z, 0-9, '.', '-'", where,
+                     excerpt(name), limits::name_bytes);
   const AgentType* other = find_type(name);
   if (other != nullptr && other != &type)
     throw InputError(
-        fmt::format("{}: agent name \"{}\" is not allowed for an agent of type '{}', because it is the "
-                    "name of another type; use another name",
-                    where, name, type.name));
+        "{}: agent name \"{}\" is not allowed for an agent of type '{}', because it is the "
+        "name of another type; use another name",
+        where, name, type.name);
 }
 
 /// A parameter's value as part of an instance name: 120, 0.5, cross-entropy.
@@ -67,22 +66,15 @@ std::string name_part(const Json& value) {
   return part;
 }
 
-std::optional<double> as_number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// "constant-120" is short for {"type": "constant", "height_m": 120}.
 Json expand_short_form(const std::string& text, std::string_view where) {
   if (find_type(text) != nullptr) return {{"type", text}};
   for (const AgentType& type : registered_types()) {
     if (type.name_parameter.empty() || !text.starts_with(type.name + '-')) continue;
-    const auto value = as_number(std::string_view(text).substr(type.name.size() + 1));
+    const auto value = number_in<double>(std::string_view(text).substr(type.name.size() + 1));
     if (!value)
-      throw InputError(fmt::format("{}: \"{}\" is not allowed; after \"{}-\" write a number for {}", where,
-                                   excerpt(text), type.name, type.name_parameter));
+      throw InputError("{}: \"{}\" is not allowed; after \"{}-\" write a number for {}", where, excerpt(text),
+                       type.name, type.name_parameter);
     return {{"type", type.name}, {"name", text}, {type.name_parameter, *value}};
   }
   refuse_unknown(text, where);
@@ -91,8 +83,7 @@ Json expand_short_form(const std::string& text, std::string_view where) {
 std::string take_text(Json& object, const char* key, std::string_view where) {
   const auto entry = object.find(key);
   if (entry == object.end()) return {};
-  if (!entry->is_string())
-    throw InputError(fmt::format("{}.{}: {} is not allowed; use a text", where, key, excerpt(entry->dump())));
+  if (!entry->is_string()) throw InputError("{}.{}: {} is not allowed; use a text", where, key, excerpt(entry->dump()));
   auto text = entry->get<std::string>();
   object.erase(entry);
   return text;
@@ -110,9 +101,9 @@ void check_combinations(const Json& given, std::string_view where) {
     if (value.is_array()) combinations *= static_cast<double>(value.size());
   if (combinations > static_cast<double>(limits::agents))
     throw InputError(
-        fmt::format("{}: its lists make {:.15g} combinations, but an experiment has at most {} agents; list fewer "
-                    "values, or make several experiments",
-                    where, combinations, limits::agents));
+        "{}: its lists make {:.15g} combinations, but an experiment has at most {} agents; list fewer "
+        "values, or make several experiments",
+        where, combinations, limits::agents);
 }
 
 /// One variant per combination of the values in lists.
@@ -123,8 +114,7 @@ std::vector<Variant> expand_lists(const Json& given, const std::string& name, bo
   for (const auto& [key, value] : given.items()) {
     const bool in_name = value.is_array() || (key == type.name_parameter && !name_given);
     const Json values = value.is_array() ? value : Json::array({value});
-    if (values.empty())
-      throw InputError(fmt::format("{}.{}: [] is not allowed; list at least one value", where, excerpt(key)));
+    if (values.empty()) throw InputError("{}.{}: [] is not allowed; list at least one value", where, excerpt(key));
     std::vector<Variant> next;
     for (const Variant& variant : variants) {
       for (const Json& one : values) {
@@ -141,11 +131,11 @@ std::vector<Variant> expand_lists(const Json& given, const std::string& name, bo
 }  // namespace
 
 bool is_agent_name(std::string_view text) noexcept {
-  return !text.empty() && text.size() <= limits::name_bytes && std::all_of(text.begin(), text.end(), is_name_character);
+  return !text.empty() && text.size() <= limits::name_bytes && std::ranges::all_of(text, is_name_character);
 }
 
 const Look* AgentType::look_of(std::string_view agent) const noexcept {
-  const auto look = std::find_if(looks.begin(), looks.end(), [&](const Look& one) { return one.agent == agent; });
+  const auto look = std::ranges::find(looks, agent, &Look::agent);
   return look == looks.end() ? nullptr : &*look;
 }
 
@@ -156,8 +146,7 @@ int AgentType::rank_of(std::string_view agent) const noexcept {
 
 bool register_agent(AgentType type) {
   auto& types = registered_types();
-  const auto at = std::lower_bound(types.begin(), types.end(), type.name,
-                                   [](const AgentType& a, const std::string& name) { return a.name < name; });
+  const auto at = std::ranges::lower_bound(types, type.name, {}, &AgentType::name);
   if (at != types.end() && at->name == type.name)
     throw std::logic_error(fmt::format("two agents register as '{}'", type.name));
   types.insert(at, std::move(type));
@@ -208,9 +197,9 @@ std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
   Json object = entry.is_string() ? expand_short_form(entry.get<std::string>(), where) : entry;
   if (!object.is_object() || !object.contains("type"))
     throw InputError(
-        fmt::format("{}: {} is not allowed; use an agent's name, or an object with \"type\", optional "
-                    "\"name\" and parameters",
-                    where, excerpt(entry.dump())));
+        "{}: {} is not allowed; use an agent's name, or an object with \"type\", optional "
+        "\"name\" and parameters",
+        where, excerpt(entry.dump()));
   const std::string type_name = take_text(object, "type", where);
   const AgentType* type = find_type(type_name);
   if (type == nullptr) refuse_unknown(type_name, fmt::format("{}.type", where));
@@ -218,9 +207,9 @@ std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
   const std::string name = name_given ? take_text(object, "name", where) : type->name;
   if (type->foreign && !name_given)
     throw InputError(
-        fmt::format("{}: an agent of type '{}' needs \"name\": the name under which the foreign program "
-                    "sends its commands",
-                    where, type->name));
+        "{}: an agent of type '{}' needs \"name\": the name under which the foreign program "
+        "sends its commands",
+        where, type->name);
   std::vector<CrewMember> crew;
   if (type->relay) crew = take_crew(object, name_given, where);
   std::vector<AgentSpec> specs;

@@ -16,28 +16,27 @@ using Json = nlohmann::json;
 AgentSpec one_agent(const Json& entry, const std::string& where) {
   std::vector<AgentSpec> specs = parse_agents(entry, where);
   if (specs.size() != 1)
-    throw InputError(fmt::format("{}: {} is not allowed; a crew member is one agent, so give each parameter one value",
-                                 where, excerpt(entry.dump())));
+    throw InputError("{}: {} is not allowed; a crew member is one agent, so give each parameter one value", where,
+                     excerpt(entry.dump()));
   const AgentType& type = agent_type(specs.front().type);
-  if (type.relay) throw InputError(fmt::format("{}: a relay cannot be part of a relay; list its crew here", where));
+  if (type.relay) throw InputError("{}: a relay cannot be part of a relay; list its crew here", where);
   if (specs.front().privilege() != Privilege::none)
     throw InputError(
-        fmt::format("{}: agent '{}' is privileged: it would have to be shown quality that was not measured, in the "
-                    "middle of a flight; use agents without privilege (see aloft agents)",
-                    where, specs.front().name));
+        "{}: agent '{}' is privileged: it would have to be shown quality that was not measured, in the "
+        "middle of a flight; use agents without privilege (see aloft agents)",
+        where, specs.front().name);
   if (specs.front().lineages() > 0)
     throw InputError(
-        fmt::format("{}: agent '{}' remembers earlier flights, which a crew member cannot; give it "
-                    "\"memory\": \"per-flight\"",
-                    where, specs.front().name));
+        "{}: agent '{}' remembers earlier flights, which a crew member cannot; give it "
+        "\"memory\": \"per-flight\"",
+        where, specs.front().name);
   return std::move(specs.front());
 }
 
 CrewMember member(Json entry, const std::string& where) {
   if (!entry.is_object() || !entry.contains("agent"))
-    throw InputError(
-        fmt::format("{}: {} is not allowed; use an object with \"agent\" and, optional, \"from_step\" and \"shadow\"",
-                    where, excerpt(entry.dump())));
+    throw InputError("{}: {} is not allowed; use an object with \"agent\" and, optional, \"from_step\" and \"shadow\"",
+                     where, excerpt(entry.dump()));
   AgentSpec agent = one_agent(entry["agent"], where + ".agent");
   entry.erase("agent");
   const Parameters settings(crew_parameters(), entry, where);
@@ -45,9 +44,9 @@ CrewMember member(Json entry, const std::string& where) {
                     settings.flag("shadow")};
   if (result.shadow && agent_type(result.agent.type).foreign)
     throw InputError(
-        fmt::format("{}: agent '{}' is a program of your own, which receives only the reports that it must "
-                    "answer; give it \"shadow\": false",
-                    where, result.agent.name));
+        "{}: agent '{}' is a program of your own, which receives only the reports that it must "
+        "answer; give it \"shadow\": false",
+        where, result.agent.name);
   return result;
 }
 
@@ -65,10 +64,9 @@ std::span<const ParameterSpec> crew_parameters() {
 std::vector<CrewMember> take_crew(Json& entry, bool named, std::string_view where) {
   const Json list = entry.value("crew", Json());
   if (!named || !list.is_array() || list.size() < 2 || list.size() > max_crew)
-    throw InputError(fmt::format("{}: a relay needs a \"name\" and a \"crew\" of 2 to {} members, e.g. {}", where,
-                                 max_crew,
-                                 R"({"type": "relay", "name": "dqn-relieves", "crew": [{"agent": "min-height"}, )"
-                                 R"({"agent": "dqn", "from_step": 51}]})"));
+    throw InputError("{}: a relay needs a \"name\" and a \"crew\" of 2 to {} members, e.g. {}", where, max_crew,
+                     R"({"type": "relay", "name": "dqn-relieves", "crew": [{"agent": "min-height"}, )"
+                     R"({"agent": "dqn", "from_step": 51}]})");
   entry.erase("crew");
   std::vector<CrewMember> crew;
   std::uint32_t latest = 1;
@@ -77,18 +75,17 @@ std::vector<CrewMember> take_crew(Json& entry, bool named, std::string_view wher
     CrewMember next = member(list[i], path);
     if (i == 0) {
       if (next.from_step > 1)
-        throw InputError(
-            fmt::format("{}.from_step: {} is not allowed; the first member flies from step 1", path, next.from_step));
+        throw InputError("{}.from_step: {} is not allowed; the first member flies from step 1", path, next.from_step);
       next.from_step = 1;
     } else if (next.from_step > 0 && next.from_step <= latest) {
-      throw InputError(fmt::format("{}.from_step: {} is not allowed; use more than the {} of an earlier member", path,
-                                   next.from_step, latest));
+      throw InputError("{}.from_step: {} is not allowed; use more than the {} of an earlier member", path,
+                       next.from_step, latest);
     }
     latest = std::max(latest, next.from_step);
     for (const CrewMember& other : crew)
       if (other.agent.name == next.agent.name)
-        throw InputError(fmt::format("{}.agent: \"{}\" is in this crew already; give one of them another \"name\"",
-                                     path, next.agent.name));
+        throw InputError("{}.agent: \"{}\" is in this crew already; give one of them another \"name\"", path,
+                         next.agent.name);
     crew.push_back(std::move(next));
   }
   return crew;

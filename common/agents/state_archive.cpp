@@ -21,9 +21,9 @@ std::string parameters_hash(const Parameters& parameters) {
 }
 
 [[noreturn]] void refuse_state(std::string_view agent_type, std::string_view reason) {
-  throw IntegrityError(fmt::format(
+  throw IntegrityError(
       "agent state refused: {} (expected a state of agent '{}'); start it afresh or from another checkpoint", reason,
-      agent_type));
+      agent_type);
 }
 
 template <typename T>
@@ -96,7 +96,7 @@ struct StateReader::Impl {
     if (stored.size() != values.size())
       refuse_state(agent_type,
                    fmt::format("field '{}' has {} values where {} are needed", name, stored.size(), values.size()));
-    std::copy(stored.begin(), stored.end(), values.begin());
+    std::ranges::copy(stored, values.begin());
   }
 };
 

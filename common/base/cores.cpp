@@ -1,7 +1,5 @@
 #include "common/base/cores.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>

@@ -44,8 +44,8 @@ void check_unchanged(const std::filesystem::path& file, std::string_view bytes, 
                      std::string_view advice) {
   if (sha256.empty()) return;
   if (const std::string now = sha256_hex(bytes); now != sha256)
-    throw InputError(fmt::format("'{}' has changed since the experiment was resolved: its SHA-256 is {}, not {}; {}",
-                                 file.string(), now, sha256, advice));
+    throw InputError("'{}' has changed since the experiment was resolved: its SHA-256 is {}, not {}; {}", file.string(),
+                     now, sha256, advice);
 }
 
 std::uint64_t sha256_id(std::string_view bytes) {

@@ -23,7 +23,7 @@ constexpr std::size_t longest_key_shown = 80;
 /// "line L, column C" of the text's `byte`-th byte; all three count from 1.
 std::string line_and_column(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, std::min(byte == 0 ? 0 : byte - 1, text.size()));
-  const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+  const auto line = std::ranges::count(before, '\n') + 1;
   const std::size_t line_start = before.rfind('\n') == std::string_view::npos ? 0 : before.rfind('\n') + 1;
   return fmt::format("line {}, column {}", line, before.size() - line_start + 1);
 }
@@ -80,7 +80,7 @@ class Watch {
 
  private:
   [[noreturn]] void refuse(const std::string& why) const {
-    throw InputError(fmt::format("{}: {}: {}", where_, line_and_column(text_, bytes_read_), why));
+    throw InputError("{}: {}: {}", where_, line_and_column(text_, bytes_read_), why);
   }
 
   std::string_view text_;
@@ -93,17 +93,16 @@ class Watch {
 
 OrderedJson parse_json(std::string_view text, std::string_view where) {
   if (text.size() > limits::json_bytes)
-    throw InputError(
-        fmt::format("{}: has {} bytes; JSON of at most {} is read", where, text.size(), limits::json_bytes));
+    throw InputError("{}: has {} bytes; JSON of at most {} is read", where, text.size(), limits::json_bytes);
   std::size_t bytes_read = 0;
   try {
     return OrderedJson::parse(Cursor(text.data(), bytes_read), Cursor(text.data() + text.size(), bytes_read),
                               Watch(text, where, bytes_read));
   } catch (const OrderedJson::parse_error& error) {
-    throw InputError(fmt::format("{}: {}: not valid JSON: {}", where, line_and_column(text, error.byte),
-                                 excerpt(reason(error.what()))));
+    throw InputError("{}: {}: not valid JSON: {}", where, line_and_column(text, error.byte),
+                     excerpt(reason(error.what())));
   } catch (const OrderedJson::exception& error) {
-    throw InputError(fmt::format("{}: not valid JSON: {}", where, excerpt(reason(error.what()))));
+    throw InputError("{}: not valid JSON: {}", where, excerpt(reason(error.what())));
   }
 }
 

@@ -50,8 +50,7 @@ bool fits(const ParameterSpec& spec, const Json& given) {
     case Kind::flag:
       return given.is_boolean();
     case Kind::choice:
-      return given.is_string() &&
-             std::find(spec.choices.begin(), spec.choices.end(), given.get<std::string>()) != spec.choices.end();
+      return given.is_string() && std::ranges::find(spec.choices, given.get<std::string>()) != spec.choices.end();
     case Kind::text:
       return given.is_string();
   }
@@ -60,8 +59,7 @@ bool fits(const ParameterSpec& spec, const Json& given) {
 
 Value checked(const ParameterSpec& spec, const Json& given, std::string_view where) {
   if (!fits(spec, given))
-    throw InputError(
-        fmt::format("{}: {} is not allowed; use {}", path_of(where, spec.name), excerpt(given.dump()), allowed(spec)));
+    throw InputError("{}: {} is not allowed; use {}", path_of(where, spec.name), excerpt(given.dump()), allowed(spec));
   if (given.is_boolean()) return given.get<bool>();
   if (given.is_number()) return given.get<double>();
   return given.get<std::string>();
@@ -107,16 +105,15 @@ Parameters::Parameters(std::span<const ParameterSpec> table) {
 Parameters::Parameters(std::span<const ParameterSpec> table, const Json& given, std::string_view where)
     : Parameters(table) {
   if (!given.is_object())
-    throw InputError(fmt::format("{}: {} is not allowed; use an object of parameters", where, excerpt(given.dump())));
+    throw InputError("{}: {} is not allowed; use an object of parameters", where, excerpt(given.dump()));
   for (const auto& [key, json] : given.items()) {
     std::size_t i = 0;
     while (i < table.size() && table[i].name != key) ++i;
     if (i == table.size()) {
       std::vector<std::string> names;
       for (const ParameterSpec& spec : table) names.push_back(spec.name);
-      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", path_of(where, excerpt(key)),
-                                   did_you_mean(key, names),
-                                   names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+      throw InputError("{}: unknown key.{} Valid keys: {}", path_of(where, excerpt(key)), did_you_mean(key, names),
+                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")));
     }
     Entry& entry = entries_[i];
     entry.value = checked(table[i], json, where);

@@ -24,7 +24,7 @@ void append_debug_form(std::string& plain, std::string_view text) {
 }
 
 std::string on_lines(std::string_view text, std::string_view line_break) {
-  if (std::all_of(text.begin(), text.end(), needs_no_care)) return std::string(text);
+  if (std::ranges::all_of(text, needs_no_care)) return std::string(text);
   std::string plain;
   while (true) {
     const std::size_t end = text.find('\n');

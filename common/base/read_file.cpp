@@ -9,26 +9,24 @@
 #include <cerrno>
 #include <system_error>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
 
 namespace aloft {
 namespace {
 
-/// A file open for reading that closes itself.
+/// A file open for reading.
 class Source {
  public:
   /// O_NONBLOCK: opening a pipe without a writer would never return.
   explicit Source(const std::filesystem::path& file)
       : file_(file), fd_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
-    if (fd_ < 0) refuse_for(errno);
+    if (!fd_.is_open()) refuse_for(errno);
   }
-  ~Source() { ::close(fd_); }
-  Source(const Source&) = delete;
-  Source& operator=(const Source&) = delete;
 
   [[noreturn]] void refuse(const std::string& why) const {
-    throw InputError(fmt::format("cannot read '{}': {}", excerpt(file_.string()), why));
+    throw InputError("cannot read '{}': {}", excerpt(file_.string()), why);
   }
   [[noreturn]] void refuse_for(int error) const { refuse(std::generic_category().message(error)); }
 
@@ -36,7 +34,7 @@ class Source {
   template <std::size_t size>
   [[nodiscard]] std::size_t read(std::array<char, size>& buffer) const {
     while (true) {
-      const ssize_t count = ::read(fd_, buffer.data(), size);
+      const ssize_t count = ::read(fd_.get(), buffer.data(), size);
       if (count >= 0) return static_cast<std::size_t>(count);
       if (errno != EINTR) refuse_for(errno);
     }
@@ -44,7 +42,7 @@ class Source {
 
   void check_kind() const {
     struct stat facts {};
-    if (::fstat(fd_, &facts) != 0) refuse_for(errno);
+    if (::fstat(fd_.get(), &facts) != 0) refuse_for(errno);
     if (S_ISDIR(facts.st_mode)) refuse("it is a folder, not a file");
     if (!S_ISREG(facts.st_mode))
       refuse(fmt::format("it is a {}, not a file; save what comes out of it to a file, and name that",
@@ -53,7 +51,7 @@ class Source {
 
  private:
   const std::filesystem::path& file_;
-  int fd_;
+  Descriptor fd_;
 };
 
 }  // namespace

@@ -3,10 +3,9 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <cstdlib>
-#include <cstring>
 
+#include "common/base/number_text.hpp"
 #include "common/base/text_layout.hpp"
 
 namespace aloft {
@@ -17,10 +16,7 @@ constexpr std::size_t usual_columns = 80;
 /// COLUMNS; 0 if it is not set or not a number.
 std::size_t columns_asked_for() {
   const char* text = std::getenv("COLUMNS");
-  std::size_t columns = 0;
-  if (text == nullptr) return 0;
-  const char* end = text + std::strlen(text);
-  return std::from_chars(text, end, columns).ptr == end ? columns : 0;
+  return text == nullptr ? 0 : number_in<std::size_t>(text).value_or(0);
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ unsigned TextTable::fitting_rank(const TableShape& shape) const {
   if (shape.brief) return 0;
   const std::vector<std::size_t> all = widths();
   std::vector<unsigned> ranks(columns_.size());
-  std::transform(columns_.begin(), columns_.end(), ranks.begin(), [](const Column& column) { return column.rank; });
+  std::ranges::transform(columns_, ranks.begin(), [](const Column& column) { return column.rank; });
   std::sort(ranks.rbegin(), ranks.rend());
   for (const unsigned rank : ranks) {
     std::size_t needed = indent.size();

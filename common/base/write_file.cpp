@@ -1,33 +1,17 @@
 #include "common/base/write_file.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/error.hpp"
 
 namespace aloft {
 namespace {
-
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& file, int flags, mode_t mode = 0)
-      : fd_(::open(file.c_str(), flags | O_CLOEXEC, mode)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const noexcept { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// The next three functions return false on a failure and leave its reason in errno.
 bool write_all(int fd, std::string_view content) {
@@ -42,13 +26,14 @@ bool write_all(int fd, std::string_view content) {
 
 bool write_draft(const std::filesystem::path& draft, std::string_view content, mode_t mode) {
   ::unlink(draft.c_str());  // what a killed process left can be a link, or have other permissions
-  const Descriptor descriptor(draft, O_WRONLY | O_CREAT | O_EXCL, mode);
-  return descriptor.get() >= 0 && write_all(descriptor.get(), content) && ::fsync(descriptor.get()) == 0;
+  const Descriptor descriptor(::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+  return descriptor.is_open() && write_all(descriptor.get(), content) && ::fsync(descriptor.get()) == 0;
 }
 
 bool sync_folder_of(const std::filesystem::path& file) {
-  const Descriptor folder(file.has_parent_path() ? file.parent_path() : ".", O_RDONLY | O_DIRECTORY);
-  if (folder.get() < 0) return true;                     // a folder can be writable but not readable
+  const std::filesystem::path parent = file.has_parent_path() ? file.parent_path() : ".";
+  const Descriptor folder(::open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!folder.is_open()) return true;                    // a folder can be writable but not readable
   return ::fsync(folder.get()) == 0 || errno == EINVAL;  // EINVAL: the file system cannot
 }
 
@@ -60,7 +45,7 @@ void write_file(const std::filesystem::path& file, std::string_view content, mod
     return;
   const int reason = errno;
   ::unlink(draft.c_str());
-  throw InputError(fmt::format("cannot write '{}': {}", file.string(), std::generic_category().message(reason)));
+  throw InputError("cannot write '{}': {}", file.string(), std::generic_category().message(reason));
 }
 
 }  // namespace aloft

@@ -20,13 +20,12 @@ WorldKind kind_of(const OrderedJson& world, const std::string& where) {
   const auto kind = world.find("kind");
   if (kind == world.end()) {
     if (world.contains("file"))
-      throw InputError(fmt::format("{}: \"file\" is for measured flights; add \"kind\": \"measured\"", where));
+      throw InputError("{}: \"file\" is for measured flights; add \"kind\": \"measured\"", where);
     return WorldKind::generated;
   }
   if (*kind == "generated") return WorldKind::generated;
   if (*kind == "measured") return WorldKind::measured;
-  throw InputError(
-      fmt::format("{}.kind: {} is not allowed; use one of \"generated\", \"measured\"", where, excerpt(kind->dump())));
+  throw InputError("{}.kind: {} is not allowed; use one of \"generated\", \"measured\"", where, excerpt(kind->dump()));
 }
 
 std::string name_of(const OrderedJson& world, const std::string& where) {
@@ -35,8 +34,8 @@ std::string name_of(const OrderedJson& world, const std::string& where) {
   const bool is_text = name->is_string();
   std::string text = is_text ? name->get<std::string>() : "";
   if (text.empty() || text.size() > max_world_name_bytes || plain_text(text) != text)
-    throw InputError(fmt::format("{}.name: {} is not allowed; use a text of 1 to {} bytes, printable and on one line",
-                                 where, excerpt(name->dump()), max_world_name_bytes));
+    throw InputError("{}.name: {} is not allowed; use a text of 1 to {} bytes, printable and on one line", where,
+                     excerpt(name->dump()), max_world_name_bytes);
   return text;
 }
 
@@ -50,20 +49,18 @@ struct Axis {
 Axis axis_of(const std::string& key, const OrderedJson& value, const std::string& where) {
   if (!value.is_array()) return {key, {Json(value)}, false};
   if (value.size() > max_conditions)
-    throw InputError(
-        fmt::format("{}.{}: the list has {} values, but an experiment has at most {} conditions; list fewer", where,
-                    excerpt(key), value.size(), max_conditions));
+    throw InputError("{}.{}: the list has {} values, but an experiment has at most {} conditions; list fewer", where,
+                     excerpt(key), value.size(), max_conditions);
   Axis axis{key, {}, true};
   std::set<Json> seen;
   for (const OrderedJson& entry : value) {
     const Json one(entry);
     if (!seen.insert(one).second)
-      throw InputError(
-          fmt::format("{}.{}: {} stands twice in the list; keep one", where, excerpt(key), excerpt(one.dump())));
+      throw InputError("{}.{}: {} stands twice in the list; keep one", where, excerpt(key), excerpt(one.dump()));
     axis.values.push_back(one);
   }
   if (axis.values.empty())
-    throw InputError(fmt::format("{}.{}: the list is empty; give at least one value, or no list", where, excerpt(key)));
+    throw InputError("{}.{}: the list is empty; give at least one value, or no list", where, excerpt(key));
   return axis;
 }
 
@@ -87,17 +84,16 @@ std::vector<std::string> swept_keys(const OrderedJson& world, const std::vector<
     if (axis.swept) keys.push_back(axis.key);
   const auto given = world.find("swept");
   if (given == world.end()) return keys;
-  const bool texts = given->is_array() && given->size() <= axes.size() &&
-                     std::all_of(given->begin(), given->end(), [&](const OrderedJson& key) {
-                       return key.is_string() && std::any_of(axes.begin(), axes.end(), [&](const Axis& axis) {
-                                return axis.key == key.get<std::string>();
-                              });
-                     });
+  const bool texts =
+      given->is_array() && given->size() <= axes.size() && std::ranges::all_of(*given, [&](const OrderedJson& key) {
+        return key.is_string() &&
+               std::ranges::any_of(axes, [&](const Axis& axis) { return axis.key == key.get<std::string>(); });
+      });
   if (!texts || !keys.empty() || !world.contains("name"))
     throw InputError(
-        fmt::format("{}.swept: {} is not allowed; it stands only in resolved experiments, beside \"name\", "
-                    "and lists keys of this world; to sweep a parameter, give it a list of values",
-                    where, excerpt(given->dump())));
+        "{}.swept: {} is not allowed; it stands only in resolved experiments, beside \"name\", "
+        "and lists keys of this world; to sweep a parameter, give it a list of values",
+        where, excerpt(given->dump()));
   return given->get<std::vector<std::string>>();
 }
 
@@ -168,14 +164,12 @@ std::vector<std::pair<const OrderedJson*, std::string>> world_objects(const Orde
   } else {
     const OrderedJson& list = document.at("worlds");
     if (!list.is_array() || list.empty())
-      throw InputError(
-          fmt::format("worlds: {} is not allowed; use a list of at least one world", excerpt(list.dump())));
+      throw InputError("worlds: {} is not allowed; use a list of at least one world", excerpt(list.dump()));
     for (std::size_t i = 0; i < list.size(); ++i) objects.emplace_back(&list[i], fmt::format("worlds[{}]", i));
   }
   for (const auto& [world, where] : objects)
     if (!world->is_object())
-      throw InputError(
-          fmt::format("{}: {} is not allowed; use an object of parameters", where, excerpt(world->dump())));
+      throw InputError("{}: {} is not allowed; use an object of parameters", where, excerpt(world->dump()));
   return objects;
 }
 
@@ -184,8 +178,8 @@ void check_names(const std::vector<Condition>& conditions) {
   for (const Condition& condition : conditions) {
     const auto [other, is_new] = seen.emplace(condition.name, condition.index);
     if (!is_new)
-      throw InputError(fmt::format("conditions {} and {} are both named \"{}\"; give their worlds different \"name\"s",
-                                   other->second, condition.index, condition.name));
+      throw InputError("conditions {} and {} are both named \"{}\"; give their worlds different \"name\"s",
+                       other->second, condition.index, condition.name);
   }
 }
 
@@ -196,9 +190,8 @@ std::vector<Condition> expand_worlds(const OrderedJson& document, const FileAcce
   for (const auto& [world, where] : world_objects(document)) {
     const WorldExpansion expansion(*world, where, files);
     if (conditions.size() + expansion.count(max_conditions) > max_conditions)
-      throw InputError(
-          fmt::format("{}: the sweep has more than {} conditions; list fewer values, or make several experiments",
-                      where, max_conditions));
+      throw InputError("{}: the sweep has more than {} conditions; list fewer values, or make several experiments",
+                       where, max_conditions);
     expansion.append_to(conditions);
   }
   check_names(conditions);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <vector>
 
 #include "common/experiment/experiment.hpp"

@@ -31,19 +31,18 @@ using OrderedJson = nlohmann::ordered_json;
 
 void check_keys(const OrderedJson& document) {
   if (!document.is_object())
-    throw InputError(
-        fmt::format("{} is not an experiment; use an object with \"name\", \"trials\", \"world\" and \"agents\"",
-                    excerpt(document.dump())));
+    throw InputError("{} is not an experiment; use an object with \"name\", \"trials\", \"world\" and \"agents\"",
+                     excerpt(document.dump()));
   const std::vector<std::string> keys = file_keys();
   for (const auto& item : document.items())
-    if (std::find(keys.begin(), keys.end(), item.key()) == keys.end())
-      throw InputError(fmt::format("{}: unknown key.{} Valid keys: {}", excerpt(item.key()),
-                                   did_you_mean(item.key(), keys), fmt::join(keys, ", ")));
+    if (std::ranges::find(keys, item.key()) == keys.end())
+      throw InputError("{}: unknown key.{} Valid keys: {}", excerpt(item.key()), did_you_mean(item.key(), keys),
+                       fmt::join(keys, ", "));
   for (const char* key : {"name", "trials", "agents"})
-    if (!document.contains(key)) throw InputError(fmt::format("\"{}\" is missing", key));
+    if (!document.contains(key)) throw InputError("\"{}\" is missing", key);
   for (const char* key : {"$schema", "build"})
     if (document.contains(key) && !document.at(key).is_string())
-      throw InputError(fmt::format("{}: {} is not allowed; use a text", key, excerpt(document.at(key).dump())));
+      throw InputError("{}: {} is not allowed; use a text", key, excerpt(document.at(key).dump()));
 }
 
 std::uint64_t seed_of(const OrderedJson& document) {
@@ -51,21 +50,21 @@ std::uint64_t seed_of(const OrderedJson& document) {
   if (seed == document.end()) return default_seed;
   // Read as an integer: a double holds only 53 bits.
   if (!seed->is_number_integer() || (!seed->is_number_unsigned() && seed->get<std::int64_t>() < 0))
-    throw InputError(fmt::format("seed: {} is not allowed; use a whole number from 0 to 18446744073709551615",
-                                 excerpt(seed->dump())));
+    throw InputError("seed: {} is not allowed; use a whole number from 0 to 18446744073709551615",
+                     excerpt(seed->dump()));
   return seed->get<std::uint64_t>();
 }
 
 void check_name(const std::string& name) {
-  const bool fine = std::all_of(name.begin(), name.end(), [](char c) {
+  const bool fine = std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
            c == '.';
   });
   if (name.empty() || name.size() > limits::name_bytes || !fine || name.front() == '.')
     throw InputError(
-        fmt::format("name: {} is not allowed; use 1 to {} letters, digits, '-', '_' and '.', because result "
-                    "folders are named after it",
-                    excerpt(Json(name).dump()), limits::name_bytes));
+        "name: {} is not allowed; use 1 to {} letters, digits, '-', '_' and '.', because result "
+        "folders are named after it",
+        excerpt(Json(name).dump()), limits::name_bytes);
 }
 
 /// The entries that are plain parameters: name, trials, ...
@@ -86,14 +85,13 @@ void read_settings(const OrderedJson& document, Experiment& experiment) {
 }
 
 void check_count(std::size_t agents) {
-  if (agents > limits::agents)
-    throw InputError(fmt::format("agents: {} are too many; use at most {}", agents, limits::agents));
+  if (agents > limits::agents) throw InputError("agents: {} are too many; use at most {}", agents, limits::agents);
 }
 
 std::vector<agents::AgentSpec> agents_of(const OrderedJson& document) {
   const OrderedJson& list = document.at("agents");
   if (!list.is_array() || list.empty())
-    throw InputError(fmt::format("agents: {} is not allowed; use a list of at least one agent", excerpt(list.dump())));
+    throw InputError("agents: {} is not allowed; use a list of at least one agent", excerpt(list.dump()));
   check_count(list.size());
   std::vector<agents::AgentSpec> specs;
   std::map<std::string, std::size_t> entry_of;
@@ -102,9 +100,9 @@ std::vector<agents::AgentSpec> agents_of(const OrderedJson& document) {
       const auto [other, is_new] = entry_of.emplace(spec.name, i);
       if (!is_new)
         throw InputError(
-            fmt::format("agents[{}]: an agent named \"{}\" stands already at agents[{}]; give one of them "
-                        "another \"name\"",
-                        i, spec.name, other->second));
+            "agents[{}]: an agent named \"{}\" stands already at agents[{}]; give one of them "
+            "another \"name\"",
+            i, spec.name, other->second);
       specs.push_back(std::move(spec));
     }
   return specs;
@@ -115,13 +113,12 @@ std::vector<agents::AgentSpec> chosen_agents(const std::vector<agents::AgentSpec
                                              const std::vector<std::string>& names) {
   std::vector<agents::AgentSpec> chosen;
   for (const std::string& name : names) {
-    const auto found =
-        std::find_if(in_file.begin(), in_file.end(), [&](const auto& spec) { return spec.name == name; });
+    const auto found = std::ranges::find_if(in_file, [&](const auto& spec) { return spec.name == name; });
     std::vector<agents::AgentSpec> specs =
         found != in_file.end() ? std::vector{*found} : agents::parse_agents(Json(name), "--agents");
     for (agents::AgentSpec& spec : specs) {
-      if (std::any_of(chosen.begin(), chosen.end(), [&](const auto& other) { return other.name == spec.name; }))
-        throw InputError(fmt::format("--agents: '{}' stands twice; name it once", spec.name));
+      if (std::ranges::any_of(chosen, [&](const auto& other) { return other.name == spec.name; }))
+        throw InputError("--agents: '{}' stands twice; name it once", spec.name);
       chosen.push_back(std::move(spec));
     }
   }
@@ -161,17 +158,16 @@ void check_routes(const Experiment& experiment) {
     for (const agents::AgentSpec& spec : experiment.agents)
       if (spec.privilege() == agents::Privilege::whole_route)
         throw InputError(
-            fmt::format("agent '{}' plans the whole route, but in condition \"{}\" route \"serving\" "
-                        "makes the route depend on the flight; use \"nearest\", or leave this agent out",
-                        spec.name, condition.name));
+            "agent '{}' plans the whole route, but in condition \"{}\" route \"serving\" "
+            "makes the route depend on the flight; use \"nearest\", or leave this agent out",
+            spec.name, condition.name);
   }
 }
 
 /// How many neighbour cells an agent reads in a generated world: its parameter "neighbours", or 0 if it has none.
 int needed_neighbours(const agents::AgentSpec& spec) {
   const std::vector<ParameterSpec>& table = agents::agent_type(spec.type).parameters;
-  const bool has_any =
-      std::any_of(table.begin(), table.end(), [](const ParameterSpec& one) { return one.name == "neighbours"; });
+  const bool has_any = std::ranges::any_of(table, [](const ParameterSpec& one) { return one.name == "neighbours"; });
   return has_any ? spec.parameters.integer("neighbours") : 0;
 }
 
@@ -180,9 +176,9 @@ void check_neighbours(const Experiment& experiment) {
     for (const Condition& condition : experiment.conditions)
       if (condition.kind == WorldKind::generated && needed_neighbours(spec) > condition.world.integer("neighbours"))
         throw InputError(
-            fmt::format("agent '{}' looks at {} neighbour cells, but in condition \"{}\" \"neighbours\" makes the UAV "
-                        "report {}; let the world report more, or lower the agent's \"neighbours\"",
-                        spec.name, needed_neighbours(spec), condition.name, condition.world.integer("neighbours")));
+            "agent '{}' looks at {} neighbour cells, but in condition \"{}\" \"neighbours\" makes the UAV "
+            "report {}; let the world report more, or lower the agent's \"neighbours\"",
+            spec.name, needed_neighbours(spec), condition.name, condition.world.integer("neighbours"));
   };
   for (const agents::AgentSpec& spec : experiment.agents) {
     check(spec);
@@ -213,9 +209,9 @@ void check_size(const Experiment& experiment) {
   const std::size_t bytes = experiment.canonical.dump().size();
   if (bytes > limits::experiment_bytes)
     throw InputError(
-        fmt::format("{} conditions and {} agents make {} bytes when resolved; at most {} are allowed, about "
-                    "1,000 conditions: spread the sweep over several experiments",
-                    experiment.conditions.size(), experiment.agents.size(), bytes, limits::experiment_bytes));
+        "{} conditions and {} agents make {} bytes when resolved; at most {} are allowed, about "
+        "1,000 conditions: spread the sweep over several experiments",
+        experiment.conditions.size(), experiment.agents.size(), bytes, limits::experiment_bytes);
 }
 
 /// The coordinator keeps some 20 bytes of each trial.
@@ -223,9 +219,9 @@ void check_trials(const Experiment& experiment) {
   const std::uint64_t trials = std::uint64_t{experiment.trials} * experiment.conditions.size();
   if (trials > limits::trials)
     throw InputError(
-        fmt::format("{} conditions x {} trials = {} trials are too many; use at most {} in one experiment, and spread "
-                    "the others over several",
-                    experiment.conditions.size(), experiment.trials, trials, limits::trials));
+        "{} conditions x {} trials = {} trials are too many; use at most {} in one experiment, and spread "
+        "the others over several",
+        experiment.conditions.size(), experiment.trials, trials, limits::trials);
 }
 
 void apply(OrderedJson& document, const Overrides& overrides) {
@@ -259,7 +255,7 @@ Experiment parse_with(OrderedJson document, std::string_view where, const Overri
   try {
     return resolve(std::move(document), overrides, files);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", where, error.what()));
+    throw InputError("{}: {}", where, error.what());
   }
 }
 
@@ -277,8 +273,12 @@ const agents::AgentSpec& Experiment::agent(std::string_view agent_name) const {
     if (spec.name == agent_name) return spec;
     names.push_back(spec.name);
   }
-  throw InputError(fmt::format("experiment '{}' has no agent '{}'.{} Its agents: {}", name, agent_name,
-                               did_you_mean(agent_name, names), fmt::join(names, ", ")));
+  throw InputError("experiment '{}' has no agent '{}'.{} Its agents: {}", name, agent_name,
+                   did_you_mean(agent_name, names), fmt::join(names, ", "));
+}
+
+std::size_t Experiment::agent_index(std::string_view agent_name) const noexcept {
+  return static_cast<std::size_t>(std::ranges::find(agents, agent_name, &agents::AgentSpec::name) - agents.begin());
 }
 
 Experiment load(const std::filesystem::path& file, const Overrides& overrides) {

@@ -2,10 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +47,8 @@ struct Experiment {
   /// The costs of flights in this condition.
   [[nodiscard]] flight::Costs costs_in(const Condition& condition) const;
   [[nodiscard]] const agents::AgentSpec& agent(std::string_view agent_name) const;  ///< InputError if there is none
+  /// Its place in `agents`; agents.size() if there is none of this name.
+  [[nodiscard]] std::size_t agent_index(std::string_view agent_name) const noexcept;
 };
 
 /// Overrides given on the command line, applied in the order: set, then the others.

@@ -1,7 +1,5 @@
 #include "common/experiment/file_paths.hpp"
 
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
@@ -57,10 +55,10 @@ void anchor_paths(OrderedJson& document, const std::filesystem::path& folder) {
 std::filesystem::path locate(const std::filesystem::path& given) {
   std::filesystem::path file = std::filesystem::absolute(given).lexically_normal();
   if (std::error_code ignored; !std::filesystem::exists(file, ignored))
-    throw InputError(fmt::format(
+    throw InputError(
         "cannot read '{}': No such file or directory. Relative paths in an experiment file count from that file's "
         "folder, those on the command line from the working directory",
-        excerpt(file.string())));
+        excerpt(file.string()));
   return file;
 }
 

@@ -37,7 +37,7 @@ void forget_file(Json& agent) {
 Json identity(const Json& canonical) {
   Json rest = what_counts(canonical);
   for (const ParameterSpec& setting : file_settings())
-    if (std::find(later_settings.begin(), later_settings.end(), setting.name) != later_settings.end() &&
+    if (std::ranges::find(later_settings, setting.name) != later_settings.end() &&
         rest.value(setting.name, 0.0) == std::get<double>(setting.default_value))
       rest.erase(setting.name);
   return rest;

@@ -1,7 +1,5 @@
 #include "common/experiment/relay_rules.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -20,9 +18,9 @@ void check_names(const Experiment& experiment) {
       const auto [other, is_new] = known.emplace(member.agent.name, &member.agent);
       if (!is_new && other->second->to_json() != member.agent.to_json())
         throw InputError(
-            fmt::format("agents: \"{}\" in the crew of \"{}\" is not the agent that has this name elsewhere; give one "
-                        "of them another \"name\"",
-                        member.agent.name, relay.name));
+            "agents: \"{}\" in the crew of \"{}\" is not the agent that has this name elsewhere; give one "
+            "of them another \"name\"",
+            member.agent.name, relay.name);
     }
 }
 
@@ -33,9 +31,9 @@ void check_steps(const Experiment& experiment, const agents::AgentSpec& relay) {
     for (const agents::CrewMember& member : relay.crew)
       if (member.from_step > steps)
         throw InputError(
-            fmt::format("agents: \"{}\" in the crew of \"{}\" would fly from step {}, but the flights of condition "
-                        "\"{}\" have {} steps; use 2 to {}",
-                        member.agent.name, relay.name, member.from_step, condition.name, steps, steps));
+            "agents: \"{}\" in the crew of \"{}\" would fly from step {}, but the flights of condition "
+            "\"{}\" have {} steps; use 2 to {}",
+            member.agent.name, relay.name, member.from_step, condition.name, steps, steps);
   }
 }
 
@@ -44,9 +42,9 @@ void check_standbys(const Experiment& experiment, const agents::AgentSpec& relay
   for (const agents::CrewMember& member : relay.crew)
     if (member.from_step == 0)
       throw InputError(
-          fmt::format("agents: \"{}\" in the crew of \"{}\" would never fly, because a flight whose agent is lost "
-                      "starts again; give it a \"from_step\", or set \"on_agent_loss\" to \"failover\"",
-                      member.agent.name, relay.name));
+          "agents: \"{}\" in the crew of \"{}\" would never fly, because a flight whose agent is lost "
+          "starts again; give it a \"from_step\", or set \"on_agent_loss\" to \"failover\"",
+          member.agent.name, relay.name);
 }
 
 }  // namespace
@@ -54,8 +52,7 @@ void check_standbys(const Experiment& experiment, const agents::AgentSpec& relay
 void check_relays(const Experiment& experiment) {
   check_names(experiment);
   const auto is_relay = [](const agents::AgentSpec& spec) { return !spec.crew.empty(); };
-  if (experiment.on_agent_loss == OnAgentLoss::failover &&
-      std::none_of(experiment.agents.begin(), experiment.agents.end(), is_relay))
+  if (experiment.on_agent_loss == OnAgentLoss::failover && std::ranges::none_of(experiment.agents, is_relay))
     throw InputError(
         "on_agent_loss: \"failover\" needs an agent that can take over: put the agents that share a flight into the "
         "crew of an agent of type 'relay'");

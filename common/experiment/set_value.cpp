@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <optional>
 #include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/json_text.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/plain_text.hpp"
 
 namespace aloft::experiment {
@@ -27,20 +26,13 @@ std::vector<std::string> split(const std::string& path) {
   return keys;
 }
 
-std::optional<std::size_t> as_index(const std::string& key) {
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), index);
-  if (error != std::errc{} || end != key.data() + key.size()) return std::nullopt;
-  return index;
-}
-
 OrderedJson as_value(const std::string& text, const std::string& assignment) {
   OrderedJson value =
       OrderedJson::accept(text) ? parse_json(text, fmt::format("--set {}", excerpt(assignment))) : OrderedJson(text);
   try {
     (void)value.dump();
   } catch (const OrderedJson::exception&) {
-    throw InputError(fmt::format("--set {}: the value is not UTF-8 text", excerpt(assignment)));
+    throw InputError("--set {}: the value is not UTF-8 text", excerpt(assignment));
   }
   return value;
 }
@@ -55,7 +47,7 @@ std::vector<std::string> keys_of(const OrderedJson& object) {
 OrderedJson& child(OrderedJson& node, const std::string& key, const std::string& seen, bool last) {
   const std::string parent = seen.empty() ? "the file" : fmt::format("'{}'", excerpt(seen));
   if (node.is_array()) {
-    const auto index = as_index(key);
+    const auto index = number_in<std::size_t>(key);
     if (!index || *index >= node.size())
       throw InputError(node.empty() ? fmt::format("{} is an empty list", parent)
                                     : fmt::format("{} has no entry '{}'; use a number from 0 to {}", parent,
@@ -63,9 +55,9 @@ OrderedJson& child(OrderedJson& node, const std::string& key, const std::string&
     return node[*index];
   }
   if (!node.is_object())
-    throw InputError(fmt::format("{} is {}, which has no '{}' in it", parent, excerpt(node.dump()), excerpt(key)));
+    throw InputError("{} is {}, which has no '{}' in it", parent, excerpt(node.dump()), excerpt(key));
   if (!last && !node.contains(key))
-    throw InputError(fmt::format("{} has no '{}'.{}", parent, excerpt(key), did_you_mean(key, keys_of(node))));
+    throw InputError("{} has no '{}'.{}", parent, excerpt(key), did_you_mean(key, keys_of(node)));
   return node[key];
 }
 
@@ -74,8 +66,7 @@ OrderedJson& child(OrderedJson& node, const std::string& key, const std::string&
 void set_value(OrderedJson& document, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == 0 || equals == std::string::npos)
-    throw InputError(
-        fmt::format("--set {}: use json.path=value, e.g. world.bs_density_per_km2=5", excerpt(assignment)));
+    throw InputError("--set {}: use json.path=value, e.g. world.bs_density_per_km2=5", excerpt(assignment));
   const std::vector<std::string> keys = split(assignment.substr(0, equals));
   OrderedJson* node = &document;
   std::string seen;
@@ -87,7 +78,7 @@ void set_value(OrderedJson& document, const std::string& assignment) {
       seen += (seen.empty() ? "" : ".") + keys[i];
     }
   } catch (const InputError& error) {
-    throw InputError(fmt::format("--set {}: {}", excerpt(assignment), error.what()));
+    throw InputError("--set {}: {}", excerpt(assignment), error.what());
   }
   *node = as_value(assignment.substr(equals + 1), assignment);
 }

@@ -1,7 +1,6 @@
 #include "common/experiment/statistics.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -66,6 +65,21 @@ std::vector<std::vector<double>> resampled_means(std::span<const std::span<const
 }
 
 }  // namespace
+
+std::vector<std::pair<std::size_t, std::size_t>> matches(std::span<const std::uint32_t> a,
+                                                         std::span<const std::uint32_t> b) {
+  std::vector<std::pair<std::size_t, std::size_t>> result;
+  for (std::size_t i = 0, k = 0; i < a.size() && k < b.size();) {
+    if (a[i] == b[k]) {
+      result.emplace_back(i++, k++);
+    } else if (a[i] < b[k]) {
+      ++i;
+    } else {
+      ++k;
+    }
+  }
+  return result;
+}
 
 double mean(std::span<const double> sample) {
   if (sample.empty()) return nan;

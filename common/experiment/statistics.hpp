@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace aloft::experiment {
@@ -14,6 +15,10 @@ struct Interval {
   /// False (NaN) for a sample of one value or of equal ones, which tells nothing about the spread.
   [[nodiscard]] bool known() const noexcept { return std::isfinite(low) && std::isfinite(high); }
 };
+
+/// Where two ascending lists have the same element: pairs of indices, ascending.
+[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> matches(std::span<const std::uint32_t> a,
+                                                                       std::span<const std::uint32_t> b);
 
 /// Arithmetic mean, summed in order. NaN for an empty sample, as all functions below give.
 [[nodiscard]] double mean(std::span<const double> sample);

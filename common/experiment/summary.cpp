@@ -35,15 +35,8 @@ std::vector<SamplesByAgent> sorted_into_conditions(const Experiment& experiment,
 /// QoS of `agent` minus QoS of `reference` on the trials that both flew.
 std::vector<double> paired_gains(const Sample& agent, const Sample& reference) {
   std::vector<double> gains;
-  for (std::size_t i = 0, k = 0; i < agent.trials.size() && k < reference.trials.size();) {
-    if (agent.trials[i] == reference.trials[k]) {
-      gains.push_back(agent.qos()[i++] - reference.qos()[k++]);
-    } else if (agent.trials[i] < reference.trials[k]) {
-      ++i;
-    } else {
-      ++k;
-    }
-  }
+  for (const auto& [i, k] : matches(agent.trials, reference.trials))
+    gains.push_back(agent.qos()[i] - reference.qos()[k]);
   return gains;
 }
 

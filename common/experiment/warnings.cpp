@@ -58,8 +58,7 @@ Mismatches differences_of(const Parameters& world) {
   here["propagation"] = world.text("propagation");
   expected["propagation"] = published.text("propagation");
   for (const auto& [key, value] : expected.items())  // another channel model has other parameters
-    if (std::find(elsewhere.begin(), elsewhere.end(), key) == elsewhere.end() && here.contains(key) &&
-        here.at(key) != value)
+    if (std::ranges::find(elsewhere, key) == elsewhere.end() && here.contains(key) && here.at(key) != value)
       differences.push_back({.what = key, .expected = value.dump(), .value = here.at(key).dump()});
   return differences;
 }
@@ -79,10 +78,10 @@ struct Group {
 
 void add(std::vector<Group>& groups, const Mismatches& differences, const std::string& condition) {
   const auto same = [&](const Group& group) {
-    return std::equal(group.differences.begin(), group.differences.end(), differences.begin(), differences.end(),
-                      [](const Mismatch& a, const Mismatch& b) { return a.same_but_for_its_number(b); });
+    return std::ranges::equal(group.differences, differences,
+                              [](const Mismatch& a, const Mismatch& b) { return a.same_but_for_its_number(b); });
   };
-  auto group = std::find_if(groups.begin(), groups.end(), same);
+  auto group = std::ranges::find_if(groups, same);
   if (group == groups.end()) group = groups.insert(groups.end(), {differences, {}});
   group->conditions.push_back(condition);
   for (std::size_t i = 0; i < differences.size(); ++i) {

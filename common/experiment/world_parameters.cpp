@@ -1,7 +1,5 @@
 #include "common/experiment/world_parameters.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -28,7 +26,7 @@ Parameters resolve_measured_world(const nlohmann::json& given, std::string_view 
   const Parameters checked(measured_world_parameters(), given, where);
   const std::string& expected = checked.text("file_sha256");
   if (checked.text("file").empty())
-    throw InputError(fmt::format("{}.file: missing; give the path of a CSV file with the measured flight", where));
+    throw InputError("{}.file: missing; give the path of a CSV file with the measured flight", where);
   nlohmann::json resolved{{"file", std::filesystem::absolute(checked.text("file")).lexically_normal().string()},
                           {"file_sha256", expected}};
   if (files.always_read || expected.empty()) {
@@ -39,7 +37,7 @@ Parameters resolve_measured_world(const nlohmann::json& given, std::string_view 
       (void)world::parse_measured_flight(csv, file.string());
       resolved["file_sha256"] = sha256_hex(csv);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}.file: {}", where, error.what()));
+      throw InputError("{}.file: {}", where, error.what());
     }
   }
   return Parameters(measured_world_parameters(), resolved, where);

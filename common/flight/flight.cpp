@@ -6,8 +6,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "common/base/error.hpp"
-
 namespace aloft::flight {
 
 using agents::Action;
@@ -152,7 +150,7 @@ double Flight::reward(double climb_m) {
 
 std::uint32_t Flight::pilot_index(std::string_view pilot) {
   auto& pilots = record_.pilots;
-  const auto at = std::find(pilots.begin(), pilots.end(), pilot);
+  const auto at = std::ranges::find(pilots, pilot);
   const auto index = static_cast<std::uint32_t>(at - pilots.begin());
   if (at == pilots.end()) pilots.emplace_back(pilot);
   return index;

@@ -104,7 +104,7 @@ MetricValues measure(const FlightRecord& record, const Costs& costs) {
     const Metric& metric = metrics()[i];
     values[i] = metric.value(record, costs);
     if (values[i] ? !std::isfinite(*values[i]) : !metric.optional)
-      throw IntegrityError(fmt::format("the {} of a flight is not a finite number", metric.name));
+      throw IntegrityError("the {} of a flight is not a finite number", metric.name);
   }
   return values;
 }

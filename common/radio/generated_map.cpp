@@ -1,8 +1,6 @@
 #include "common/radio/generated_map.hpp"
 
 #include <map>
-#include <stdexcept>
-#include <utility>
 
 #include "common/radio/column.hpp"
 #include "common/world/route.hpp"

@@ -89,7 +89,7 @@ std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
 
 /// The preset's changes to those parameters that the table has.
 Json preset_defaults(const std::string& name, std::span<const ParameterSpec> table) {
-  const auto preset = std::find_if(presets().begin(), presets().end(), [&](const Preset& p) { return p.name == name; });
+  const auto preset = std::ranges::find_if(presets(), [&](const Preset& p) { return p.name == name; });
   Json defaults = Json::object();
   for (const ParameterSpec& spec : table)
     if (preset->changes.contains(spec.name)) defaults[spec.name] = preset->changes[spec.name];
@@ -102,7 +102,7 @@ bool is_multiple(double value, double of) {
 }
 
 void require(bool holds, std::string_view where, std::string_view key, const std::string& reason) {
-  if (!holds) throw InputError(fmt::format("{}{}{}: {}", where, where.empty() ? "" : ".", key, reason));
+  if (!holds) throw InputError("{}{}{}: {}", where, where.empty() ? "" : ".", key, reason);
 }
 
 /// With this probability, 100,000 draws in a row, which take a millisecond, all fail with a probability of 10^-13.

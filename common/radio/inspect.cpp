@@ -22,8 +22,8 @@ std::uint32_t height_index(const HeightGrid& heights, double height_m) {
   const double index = std::round((height_m - heights.height_min_m) / heights.resolution_m);
   if (!(index >= 0.0 && index < heights.size()) ||
       std::fabs(heights.height_m(static_cast<std::uint32_t>(index)) - height_m) > 1e-6)
-    throw InputError(fmt::format("height {} m is not in the table; use {} to {} m in steps of {} m", height_m,
-                                 heights.height_min_m, heights.height_max_m, heights.resolution_m));
+    throw InputError("height {} m is not in the table; use {} to {} m in steps of {} m", height_m, heights.height_min_m,
+                     heights.height_max_m, heights.resolution_m);
   return static_cast<std::uint32_t>(index);
 }
 
@@ -47,9 +47,7 @@ class Explainer {
 
     std::vector<std::uint32_t> order(scene_.stations());
     std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
-      return stations_[a].received_power_w > stations_[b].received_power_w;
-    });
+    std::ranges::stable_sort(order, std::greater(), [this](std::uint32_t k) { return stations_[k].received_power_w; });
     for (std::uint32_t rank = 0; rank < scene_.reported_stations(); ++rank)
       result.candidates.push_back(candidate(order[rank], rank < scene_.serving_candidates()));
 
@@ -119,47 +117,27 @@ class Explainer {
 Explanation explain(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial,
                     std::uint32_t point, double height_m, std::optional<world::Position> position) {
   const world::Route route(world, city);
-  if (point > route.steps())
-    throw InputError(fmt::format("route point {} does not exist; use 0 to {}", point, route.steps()));
+  if (point > route.steps()) throw InputError("route point {} does not exist; use 0 to {}", point, route.steps());
   const Scene scene(world, city, seed, trial);
   const std::uint32_t height = height_index(scene.heights(), height_m);
   const world::Position place = position.value_or(route.advance(point, {0.0, 0.0}, -1));
   return Explainer(scene, Fading(scene.model(), seed, trial), point, place, height).explain();
 }
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StationExplanation, station, distance_m, azimuth_deg, blocking_height_m,
+                                   line_of_sight, received_power_w)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(InterfererExplanation, station, received_power_w, fading, interference_w)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CandidateExplanation, station, may_serve, received_power_w, fading, interferers,
+                                   interference_w, sinr, sinr_db)
+
 Json to_json(const Explanation& explanation) {
-  Json stations = Json::array();
-  for (const StationExplanation& s : explanation.stations)
-    stations.push_back({{"station", s.station},
-                        {"distance_m", s.distance_m},
-                        {"azimuth_deg", s.azimuth_deg},
-                        {"blocking_height_m", s.blocking_height_m},
-                        {"line_of_sight", s.line_of_sight},
-                        {"received_power_w", s.received_power_w}});
-  Json candidates = Json::array();
-  for (const CandidateExplanation& c : explanation.candidates) {
-    Json interferers = Json::array();
-    for (const InterfererExplanation& i : c.interferers)
-      interferers.push_back({{"station", i.station},
-                             {"received_power_w", i.received_power_w},
-                             {"fading", i.fading},
-                             {"interference_w", i.interference_w}});
-    candidates.push_back({{"station", c.station},
-                          {"may_serve", c.may_serve},
-                          {"received_power_w", c.received_power_w},
-                          {"fading", c.fading},
-                          {"interferers", interferers},
-                          {"interference_w", c.interference_w},
-                          {"sinr", c.sinr},
-                          {"sinr_db", c.sinr_db}});
-  }
   return {{"point", explanation.point},
           {"x_m", explanation.position.x_m},
           {"y_m", explanation.position.y_m},
           {"height_m", explanation.height_m},
           {"noise_w", explanation.noise_w},
-          {"stations", stations},
-          {"candidates", candidates},
+          {"stations", explanation.stations},
+          {"candidates", explanation.candidates},
           {"serving_cell", explanation.serving_cell},
           {"serving_sinr_db", explanation.serving_sinr_db},
           {"spectral_efficiency", explanation.spectral_efficiency}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "common/base/read_file.hpp"
 #include "common/world/measured_flight.hpp"
 #include "tests/published_data.hpp"
 
@@ -28,7 +29,7 @@ TEST_CASE("a measured map reads step j at row j, and the start at the first") {
 TEST_CASE("the Grand Canal Quay flight has its known means", "[needs-gcq]") {
   const auto file = test::published_file("gcq.csv");
   if (file.empty()) return;
-  const auto map = radio::make_measured_map(world::read_measured_flight(file));
+  const auto map = radio::make_measured_map(world::parse_measured_flight(read_file(file), "flight"));
   REQUIRE(map->steps() == 170);
   REQUIRE(map->heights().size() == 11);
   double lowest = 0.0;

@@ -1,7 +1,5 @@
 #include "common/radio/scene.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -24,8 +22,8 @@ Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std:
       link_model_(link_model_type(world.text("propagation")).make(world, city_, seed, trial)),
       heights_(height_grid(world)) {
   if (city_.base_stations.size() > limits::base_stations)
-    throw InputError(fmt::format("the city has {} base stations; at most {} are possible", city_.base_stations.size(),
-                                 limits::base_stations));
+    throw InputError("the city has {} base stations; at most {} are possible", city_.base_stations.size(),
+                     limits::base_stations);
   if (model_.bs_antenna != BsAntenna::sector) return;
   RandomStream stream(seed, trial, "sector azimuth");
   for (std::uint32_t k = 0; k < stations(); ++k) {

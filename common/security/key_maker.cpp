@@ -34,7 +34,7 @@ void check(bool good, const char* what) {
 void make_folder(const fs::path& dir) {
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw InputError(fmt::format("cannot make the folder {}: {}", dir.string(), error.message()));
+  if (error) throw InputError("cannot make the folder {}: {}", dir.string(), error.message());
 }
 
 std::string pem(X509* certificate) {
@@ -98,7 +98,7 @@ Authority open_authority(const fs::path& dir) {
     try {
       return read_file(dir / name);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}; {}", error.what(), advice));
+      throw InputError("{}; {}", error.what(), advice);
     }
   };
   const std::string certificate = content("ca.cert.pem");
@@ -108,11 +108,10 @@ Authority open_authority(const fs::path& dir) {
       openssl::Key(PEM_read_bio_PrivateKey(openssl::memory(key).get(), nullptr, nullptr, nullptr))};
   if (!authority.certificate || !authority.key ||
       X509_check_private_key(authority.certificate.get(), authority.key.get()) != 1)
-    throw InputError(
-        fmt::format("{}: ca.cert.pem and ca.key.pem are not a certificate and its key; {}", dir.string(), advice));
+    throw InputError("{}: ca.cert.pem and ca.key.pem are not a certificate and its key; {}", dir.string(), advice);
   if (X509_cmp_current_time(X509_get0_notAfter(authority.certificate.get())) < 0)
-    throw InputError(fmt::format("{}: the authority has expired; make a new one in another folder: aloft keys init NEW",
-                                 (dir / "ca.cert.pem").string()));
+    throw InputError("{}: the authority has expired; make a new one in another folder: aloft keys init NEW",
+                     (dir / "ca.cert.pem").string());
   return authority;
 }
 
@@ -130,11 +129,11 @@ std::string topic_rules(const char* direction, const std::vector<std::string_vie
 void check_is_free(const fs::path& dir) {
   std::error_code unreadable;  // creating it will fail, too, with an error that says why
   if (fs::exists(dir / "ca.key.pem") || fs::exists(dir / "ca.cert.pem"))
-    throw InputError(fmt::format(
-        "{} holds an authority already; use another folder, or remove it if nothing trusts it any more", dir.string()));
+    throw InputError("{} holds an authority already; use another folder, or remove it if nothing trusts it any more",
+                     dir.string());
   for (const auto& entry : fs::directory_iterator(dir, unreadable))
-    throw InputError(fmt::format("{} holds other things ('{}'); use a new or empty folder for an authority",
-                                 dir.string(), entry.path().filename().string()));
+    throw InputError("{} holds other things ('{}'); use a new or empty folder for an authority", dir.string(),
+                     entry.path().filename().string());
 }
 
 void write_governance(const fs::path& dir) {

@@ -25,18 +25,18 @@ std::string remedy(const fs::path& dir, Role role) {
 
 std::string key_text(const fs::path& file, const std::string& advice) {
   constexpr std::uint64_t largest_bytes = 1U << 20U;
-  if (!fs::exists(file)) throw InputError(fmt::format("{}: is missing; {}", file.string(), advice));
+  if (!fs::exists(file)) throw InputError("{}: is missing; {}", file.string(), advice);
   try {
     return aloft::read_file(file, largest_bytes);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}; {}", error.what(), advice));
+    throw InputError("{}; {}", error.what(), advice);
   }
 }
 
 openssl::Certificate read_certificate(const fs::path& file, const std::string& advice) {
   const std::string text = key_text(file, advice);
   openssl::Certificate certificate(PEM_read_bio_X509(openssl::memory(text).get(), nullptr, nullptr, nullptr));
-  if (!certificate) throw InputError(fmt::format("{}: is not a certificate (PEM); {}", file.string(), advice));
+  if (!certificate) throw InputError("{}: is not a certificate (PEM); {}", file.string(), advice);
   return certificate;
 }
 
@@ -55,10 +55,10 @@ void check_dates(const X509* certificate, const fs::path& file, const std::strin
   const ASN1_TIME* first = X509_get0_notBefore(certificate);
   const ASN1_TIME* last = X509_get0_notAfter(certificate);
   if (X509_cmp_current_time(first) > 0)
-    throw InputError(fmt::format("{}: is not valid before {} UTC; is this machine's clock right? Else {}",
-                                 file.string(), utc_text(first), advice));
+    throw InputError("{}: is not valid before {} UTC; is this machine's clock right? Else {}", file.string(),
+                     utc_text(first), advice);
   if (X509_cmp_current_time(last) < 0)
-    throw InputError(fmt::format("{}: expired at {} UTC; {}", file.string(), utc_text(last), advice));
+    throw InputError("{}: expired at {} UTC; {}", file.string(), utc_text(last), advice);
 }
 
 std::string entry(const X509* certificate, int nid) {
@@ -72,27 +72,27 @@ std::string entry(const X509* certificate, int nid) {
 
 void check_private(const fs::path& file, const X509* certificate, const std::string& advice) {
   struct stat facts {};
-  if (stat(file.c_str(), &facts) != 0) throw InputError(fmt::format("{}: is missing; {}", file.string(), advice));
+  if (stat(file.c_str(), &facts) != 0) throw InputError("{}: is missing; {}", file.string(), advice);
   if ((facts.st_mode & 0077U) != 0)
-    throw InputError(fmt::format(
+    throw InputError(
         "{}: other users can read this private key (mode {:03o}); chmod 600 it, and if another user has read it, {}",
-        file.string(), facts.st_mode & 0777U, advice));
+        file.string(), facts.st_mode & 0777U, advice);
   const std::string text = key_text(file, advice);
   const openssl::Key key(PEM_read_bio_PrivateKey(openssl::memory(text).get(), nullptr, nullptr, nullptr));
-  if (!key) throw InputError(fmt::format("{}: is not a private key (PEM); {}", file.string(), advice));
+  if (!key) throw InputError("{}: is not a private key (PEM); {}", file.string(), advice);
   if (X509_check_private_key(certificate, key.get()) != 1)
-    throw InputError(fmt::format("{}: does not belong to cert.pem beside it; {}", file.string(), advice));
+    throw InputError("{}: does not belong to cert.pem beside it; {}", file.string(), advice);
 }
 
 void check_certificate(X509* certificate, X509* authority, const fs::path& file, Role role, const std::string& advice) {
   const openssl::Key authority_key(X509_get_pubkey(authority));
   if (X509_verify(certificate, authority_key.get()) != 1)
-    throw InputError(fmt::format("{}: was not issued by the authority in ca.cert.pem; {}", file.string(), advice));
+    throw InputError("{}: was not issued by the authority in ca.cert.pem; {}", file.string(), advice);
   check_dates(certificate, file, advice);
   const std::string unit = entry(certificate, NID_organizationalUnitName);
   if (unit != to_text(role))
-    throw InputError(fmt::format("{}: is for the role '{}', but this process is '{}'; {}", file.string(), unit,
-                                 to_text(role), advice));
+    throw InputError("{}: is for the role '{}', but this process is '{}'; {}", file.string(), unit, to_text(role),
+                     advice);
 }
 
 /// The text of a document that the authority has signed.
@@ -109,8 +109,7 @@ std::string check_document(const fs::path& file, X509* authority, const std::str
                                              PKCS7_TEXT | PKCS7_NOVERIFY | PKCS7_NOINTERN) == 1;
   sk_X509_free(trusted);
   if (!good)
-    throw InputError(
-        fmt::format("{}: was not signed by the authority in ca.cert.pem, or was altered; {}", file.string(), advice));
+    throw InputError("{}: was not signed by the authority in ca.cert.pem, or was altered; {}", file.string(), advice);
   return openssl::text_of(plain.get());
 }
 
@@ -130,10 +129,9 @@ std::string between(const std::string& text, std::string_view first, std::string
 void check_permissions(const fs::path& file, X509* authority, const X509* certificate, const std::string& advice) {
   const std::string text = check_document(file, authority, advice);
   if (between(text, "<subject_name>", "</subject_name>") != openssl::subject_text(certificate))
-    throw InputError(fmt::format("{}: is for another certificate than cert.pem beside it; {}", file.string(), advice));
+    throw InputError("{}: is for another certificate than cert.pem beside it; {}", file.string(), advice);
   const std::string last = between(text, "<not_after>", "</not_after>");
-  if (last < utc_text(std::time(nullptr)))
-    throw InputError(fmt::format("{}: expired at {} UTC; {}", file.string(), last, advice));
+  if (last < utc_text(std::time(nullptr))) throw InputError("{}: expired at {} UTC; {}", file.string(), last, advice);
 }
 
 }  // namespace
@@ -141,8 +139,7 @@ void check_permissions(const fs::path& file, X509* authority, const X509* certif
 KeyFiles check_keys(const fs::path& dir, Role role) {
   const std::string renew = fmt::format("make a new authority: aloft keys init {}", dir.string());
   const std::string reissue = remedy(dir, role);
-  if (!fs::is_directory(dir))
-    throw InputError(fmt::format("--secure {}: there is no such folder; {}", dir.string(), renew));
+  if (!fs::is_directory(dir)) throw InputError("--secure {}: there is no such folder; {}", dir.string(), renew);
   const fs::path own = dir / to_text(role);
   KeyFiles files{dir / "ca.cert.pem",    own / "cert.pem",        own / "key.pem",
                  dir / "governance.p7s", own / "permissions.p7s", ""};
@@ -150,8 +147,8 @@ KeyFiles check_keys(const fs::path& dir, Role role) {
   check_dates(authority.get(), files.ca, renew);
   files.authority = entry(authority.get(), NID_commonName);
   if (without_cr(check_document(files.governance, authority.get(), reissue)) != governance_xml())
-    throw InputError(fmt::format("{}: was made by another version of Aloft, or for something else; {}",
-                                 files.governance.string(), reissue));
+    throw InputError("{}: was made by another version of Aloft, or for something else; {}", files.governance.string(),
+                     reissue);
   const openssl::Certificate certificate = read_certificate(files.certificate, reissue);
   check_certificate(certificate.get(), authority.get(), files.certificate, role, reissue);
   check_private(files.private_key, certificate.get(), reissue);

@@ -109,8 +109,7 @@ std::string metric_columns() {
   const auto place = [](const flight::Metric& metric) {
     return metric.format_3_place.value_or(std::numeric_limits<int>::max());
   };
-  std::stable_sort(metrics.begin(), metrics.end(),
-                   [&](const flight::Metric& a, const flight::Metric& b) { return place(a) < place(b); });
+  std::ranges::stable_sort(metrics, {}, place);
   std::string text;
   for (const flight::Metric& metric : metrics)
     text += fmt::format("  {},  -- {}\n", column_of(metric), metric.description);
@@ -119,13 +118,13 @@ std::string metric_columns() {
 
 void check_identity(SQLite::Database& database, const std::filesystem::path& file) {
   if (pragma(database, "application_id") != application_id)
-    throw InputError(fmt::format("'{}' is a database of another program; use another folder", file.string()));
+    throw InputError("'{}' is a database of another program; use another folder", file.string());
   if (const int version = pragma(database, "user_version");
       version < version_without_tally || version > version_with_later_metrics)
     throw InputError(
-        fmt::format("'{}' has format {}, this program reads format {}; use the version of Aloft that wrote it, or "
-                    "another folder",
-                    file.string(), version, database_version()));
+        "'{}' has format {}, this program reads format {}; use the version of Aloft that wrote it, or "
+        "another folder",
+        file.string(), version, database_version());
 }
 
 void check_structure(SQLite::Database& database, const std::filesystem::path& file) {
@@ -204,8 +203,7 @@ std::string database_schema() {
 
 int database_version() {
   const auto& metrics = flight::metrics();
-  return std::all_of(metrics.begin(), metrics.end(),
-                     [](const flight::Metric& metric) { return metric.format_3_place.has_value(); })
+  return std::ranges::all_of(metrics, [](const flight::Metric& metric) { return metric.format_3_place.has_value(); })
              ? version_of_0_2_0
              : version_with_later_metrics;
 }
@@ -250,32 +248,27 @@ void rethrow(const SQLite::Exception& error, const std::filesystem::path& file) 
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR || code == SQLITE_FORMAT)
     refuse_damaged(file, error.what());
   if (code == SQLITE_FULL || (code == SQLITE_IOERR && disk_is_full(file)))
-    throw StoreFull(fmt::format("the disk that holds '{}' is full; make room there", file.string()));
+    throw StoreFull("the disk that holds '{}' is full; make room there", file.string());
   if (code == SQLITE_CANTOPEN || code == SQLITE_READONLY || code == SQLITE_PERM)
-    throw InputError(fmt::format("cannot open '{}': {}; check that the folder exists and may be written", file.string(),
-                                 error.what()));
+    throw InputError("cannot open '{}': {}; check that the folder exists and may be written", file.string(),
+                     error.what());
   throw std::runtime_error(fmt::format("'{}': {}", file.string(), error.what()));
 }
 
 void refuse_damaged(const std::filesystem::path& file, std::string_view what) {
-  throw IntegrityError(fmt::format(
+  throw IntegrityError(
       "'{}' is damaged: {}. Nothing in it is trusted. Restore the folder from a copy, or move it away and run the same "
       "command again: the same experiment gives the same results",
-      file.string(), what));
+      file.string(), what);
 }
 
-WriterLock::WriterLock(const std::filesystem::path& dir)
-    : fd_(::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+Descriptor lock_for_writing(const std::filesystem::path& dir) {
+  Descriptor folder(::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // A file system without such locks is used without protection.
-  if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-  ::close(fd_);
-  throw InputError(fmt::format(
+  if (!folder.is_open() || ::flock(folder.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return folder;
+  throw InputError(
       "'{}' is being written by another Aloft process; wait for it, stop it, or use another folder for --out",
-      dir.string()));
-}
-
-WriterLock::~WriterLock() {
-  if (fd_ >= 0) ::close(fd_);
+      dir.string());
 }
 
 }  // namespace aloft::store

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/descriptor.hpp"
 #include "common/flight/metrics.hpp"
 
 namespace aloft::store {
@@ -52,18 +53,8 @@ decltype(auto) with_errors_of(const std::filesystem::path& file, Work&& work) {
   }
 }
 
-/// Lets only one process at a time write into a result folder; readers need no lock. Held until the object is destroyed
-/// or the process ends.
-class WriterLock {
- public:
-  /// Throws InputError if another process holds it.
-  explicit WriterLock(const std::filesystem::path& dir);
-  ~WriterLock();
-  WriterLock(const WriterLock&) = delete;
-  WriterLock& operator=(const WriterLock&) = delete;
-
- private:
-  int fd_;
-};
+/// Lets only one process at a time write into a result folder; readers need no lock. Held until the descriptor is
+/// closed or the process ends. InputError if another process holds it.
+[[nodiscard]] Descriptor lock_for_writing(const std::filesystem::path& dir);
 
 }  // namespace aloft::store

@@ -1,5 +1,6 @@
 #include "common/store/flight_table.hpp"
 
+#include <SQLiteCpp/VariadicBind.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -34,7 +35,7 @@ Names columns_of(SQLite::Database& database) {
 }
 
 bool has(const Names& columns, std::string_view name) {
-  return std::find(columns.begin(), columns.end(), name) != columns.end();
+  return std::ranges::find(columns, name) != columns.end();
 }
 
 /// "?1, ?2, ?3"; the first column is the id.
@@ -138,7 +139,7 @@ class FlightTable::Row {
 
  private:
   [[nodiscard]] std::size_t index(std::string_view column) const {
-    const auto found = std::find(columns_.begin(), columns_.end(), column);
+    const auto found = std::ranges::find(columns_, column);
     if (found == columns_.end()) refuse_damaged(file_, fmt::format("table flight has no column {}", column));
     return static_cast<std::size_t>(found - columns_.begin());
   }
@@ -149,27 +150,24 @@ class FlightTable::Row {
 };
 
 std::int64_t flight_id(const Experiment& experiment, const FlightKey& key) {
-  const auto& agents = experiment.agents;
-  const auto agent = static_cast<std::size_t>(
-      std::find_if(agents.begin(), agents.end(), [&](const auto& one) { return one.name == key.agent; }) -
-      agents.begin());
-  if (key.condition >= experiment.conditions.size() || key.trial >= experiment.trials || agent == agents.size())
+  const std::size_t agent = experiment.agent_index(key.agent);
+  const std::size_t agents = experiment.agents.size();
+  if (key.condition >= experiment.conditions.size() || key.trial >= experiment.trials || agent == agents)
     throw std::logic_error(fmt::format("experiment '{}' has no flight (condition {}, trial {}, agent '{}')",
                                        experiment.name, key.condition, key.trial, key.agent));
   const std::uint64_t trial = std::uint64_t{key.condition} * experiment.trials + key.trial;
-  return static_cast<std::int64_t>(trial * agents.size() + agent);
+  return static_cast<std::int64_t>(trial * agents + agent);
 }
 
 void FlightTable::add_missing_columns() {
   columns_ = columns_of(database_);
   for (const std::string& column : columns_)
-    if (std::find(other_columns.begin(), other_columns.end(), column) == other_columns.end() &&
-        std::none_of(flight::metrics().begin(), flight::metrics().end(),
-                     [&](const flight::Metric& metric) { return metric.key == column; }))
+    if (std::ranges::find(other_columns, column) == other_columns.end() &&
+        std::ranges::find(flight::metrics(), column, &flight::Metric::key) == flight::metrics().end())
       throw InputError(
-          fmt::format("'{}' was written by a newer Aloft, which also stores '{}' of every flight; go on with that one, "
-                      "or use another folder",
-                      file_.string(), column));
+          "'{}' was written by a newer Aloft, which also stores '{}' of every flight; go on with that one, "
+          "or use another folder",
+          file_.string(), column);
   std::vector<FlightSummary> flights;
   for (const flight::Metric& metric : flight::metrics()) {
     if (has(columns_, metric.key)) continue;
@@ -222,8 +220,7 @@ std::optional<std::int64_t> FlightTable::visit(std::int64_t from, std::int64_t l
   Row row(columns_of(database_), file_);
   SQLite::Statement rows(database_, fmt::format("SELECT {} FROM flight WHERE id >= ? ORDER BY id LIMIT ?",
                                                 fmt::join(row.columns(), ", ")));
-  rows.bind(1, from);
-  rows.bind(2, limit);
+  SQLite::bind(rows, from, limit);
   std::optional<std::int64_t> last;
   while (rows.executeStep()) {
     row.read(rows);

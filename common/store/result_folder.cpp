@@ -1,14 +1,11 @@
 #include "common/store/result_folder.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <optional>
 
-#include "common/base/error.hpp"
 #include "common/store/database.hpp"
 #include "common/store/result_store.hpp"
 
@@ -32,12 +29,12 @@ void check_is_empty(const std::filesystem::path& dir) {
     if (name == log_folder || name == "lost+found" || name == coordinator_lock_name || name.starts_with(database_name))
       continue;
     if (std::filesystem::exists(dir / "experiment.json"))
-      throw InputError(fmt::format(
+      throw InputError(
           "'{}' has lost its {}: experiment.json is there without it. Put it back, or remove the folder to fly "
           "everything anew, or use another folder for --out",
-          dir.string(), database_name));
-    throw InputError(fmt::format("'{}' holds other files ('{}'), but no results; use an empty or new folder for --out",
-                                 dir.string(), name));
+          dir.string(), database_name);
+    throw InputError("'{}' holds other files ('{}'), but no results; use an empty or new folder for --out",
+                     dir.string(), name);
   }
 }
 
@@ -47,22 +44,18 @@ FolderWatch::FolderWatch(std::filesystem::path dir, const std::vector<std::strin
   for (const std::string& name : names) {
     const std::filesystem::path path = dir_ / name;
     // O_PATH: closing an ordinary descriptor would drop the locks that SQLite holds on the file.
-    if (const int fd = ::open(path.c_str(), O_PATH | O_CLOEXEC); fd >= 0) files_.push_back({path, fd});
+    if (Descriptor fd(::open(path.c_str(), O_PATH | O_CLOEXEC)); fd.is_open()) files_.push_back({path, std::move(fd)});
   }
-}
-
-FolderWatch::~FolderWatch() {
-  for (const File& file : files_) ::close(file.fd);
 }
 
 void FolderWatch::check() const {
   for (const File& file : files_)
-    if (const char* change = change_of(file.path, file.fd))
-      throw ResultsGone(fmt::format(
+    if (const char* change = change_of(file.path, file.fd.get()))
+      throw ResultsGone(
           "'{}' was deleted, moved or replaced while a run was storing flights there: {} {}. Nothing more is stored. "
           "If it was moved, move it back; then give the same command again: it goes on with what is there, or begins "
           "anew",
-          dir_.string(), file.path.filename().string(), change));
+          dir_.string(), file.path.filename().string(), change);
 }
 
 FolderWatch watch_results(const std::filesystem::path& dir) {
@@ -80,13 +73,12 @@ MadeResults make_folder(const std::filesystem::path& dir) {
     if (!std::filesystem::exists(dir / database_name)) check_is_empty(dir);
     made.log_is_new = !std::filesystem::exists(dir / log_folder);
     if (!made.log_is_new && !std::filesystem::is_directory(dir / log_folder))
-      throw InputError(fmt::format(
+      throw InputError(
           "'{}' is a file, but must be a folder: logs go there; move it away, or use another folder for --out",
-          (dir / log_folder).string()));
+          (dir / log_folder).string());
   } catch (const std::filesystem::filesystem_error& error) {
     take_back(made);
-    throw InputError(
-        fmt::format("cannot use the folder '{}': {}; use another one for --out", dir.string(), error.code().message()));
+    throw InputError("cannot use the folder '{}': {}; use another one for --out", dir.string(), error.code().message());
   }
   return made;
 }
@@ -94,9 +86,9 @@ MadeResults make_folder(const std::filesystem::path& dir) {
 void take_back(const MadeResults& made) {
   std::error_code ignored;
   {
-    std::optional<WriterLock> lock;
+    Descriptor lock;
     try {
-      lock.emplace(made.dir);
+      lock = lock_for_writing(made.dir);
       if (made.database && count_flights(made.dir / database_name) > 0) return;
     } catch (const std::exception&) {
       return;

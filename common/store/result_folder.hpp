@@ -1,16 +1,18 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "common/base/descriptor.hpp"
+#include "common/base/error.hpp"
 
 namespace aloft::store {
 
 /// The result folder was deleted, moved or replaced while a process was writing into it. What is written from now on
 /// can be lost, so writing must stop.
-class ResultsGone : public std::runtime_error {
-  using std::runtime_error::runtime_error;
+class ResultsGone : public FormattedError {
+  using FormattedError::FormattedError;
 };
 
 /// Notices when a file of a result folder is no longer the same file as when the watch began.
@@ -18,9 +20,6 @@ class FolderWatch {
  public:
   /// Watches those of `names` in `dir` that are there now.
   FolderWatch(std::filesystem::path dir, const std::vector<std::string>& names);
-  ~FolderWatch();
-  FolderWatch(FolderWatch&&) noexcept = default;
-  FolderWatch& operator=(FolderWatch&&) = delete;
 
   /// Throws ResultsGone, which names the file and what to do. From any thread.
   void check() const;
@@ -28,7 +27,7 @@ class FolderWatch {
  private:
   struct File {
     std::filesystem::path path;
-    int fd;  // keeps its inode from being given to another file
+    Descriptor fd;  // keeps its inode from being given to another file
   };
   std::filesystem::path dir_;
   std::vector<File> files_;

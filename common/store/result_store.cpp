@@ -1,5 +1,6 @@
 #include "common/store/result_store.hpp"
 
+#include <SQLiteCpp/VariadicBind.h>
 #include <fmt/format.h>
 
 #include <bit>
@@ -12,7 +13,6 @@
 #include "common/base/json_text.hpp"
 #include "common/base/write_file.hpp"
 #include "common/experiment/identity.hpp"
-#include "common/experiment/summary.hpp"
 #include "common/store/database.hpp"
 #include "common/store/flight_table.hpp"
 
@@ -41,13 +41,13 @@ std::string resolved_file(const Experiment& experiment) {
 struct ResultStore::State {
   State(const std::filesystem::path& dir, Access access)
       : file(dir / database_name),
-        lock(access == Access::write ? std::make_unique<WriterLock>(dir) : nullptr),
+        lock(access == Access::write ? lock_for_writing(dir) : Descriptor()),
         is_new(access == Access::write && !std::filesystem::exists(file)),
         database(open_database(file, access)),
         flights(*database, file, experiment) {}
 
   std::filesystem::path file;
-  std::unique_ptr<WriterLock> lock;
+  Descriptor lock;
   bool is_new;
   std::unique_ptr<SQLite::Database> database;
   Experiment experiment;
@@ -65,118 +65,101 @@ struct ResultStore::State {
     return canonical;
   }
 
-  void begin_writing();
-  void check_memories() const;
-  void begin_watch();
+  /// Refuses the results of another experiment before anything is written.
+  void begin_writing() {
+    const std::string stored = stored_canonical();
+    if (!stored.empty()) {
+      if (const nlohmann::json there = parse_json(stored, file.string()); experiment::id_of(there) != experiment.id)
+        throw InputError(
+            "'{}' holds the results of another experiment: {}. Name another folder with --out, or move this "
+            "one away",
+            file.parent_path().string(), experiment::describe_differences(there, experiment.canonical));
+    }
+    SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
+    update_format(*database);
+    flights.add_missing_columns();
+    if (stored.empty()) store_experiment();
+    transaction.commit();
+    check_memories();
+  }
+
+  /// A lineage cannot go on without the memory of its latest flight.
+  void check_memories() const {
+    for (const agents::AgentSpec& agent : experiment.agents) {
+      if (agent.lineages() == 0) continue;
+      SQLite::Statement lost(
+          *database,
+          "SELECT condition, last FROM (SELECT condition, trial % ?1 AS lineage, max(trial) AS last FROM flight "
+          "WHERE agent = ?2 GROUP BY condition, lineage) AS latest WHERE NOT EXISTS (SELECT 1 FROM memory WHERE "
+          "memory.condition = latest.condition AND memory.agent = ?2 AND memory.lineage = latest.lineage AND "
+          "memory.trial = last) LIMIT 1");
+      SQLite::bind(lost, agent.lineages(), agent.name);
+      if (lost.executeStep())
+        refuse_damaged(file, fmt::format("the memory of agent '{}' after condition {}, trial {} was removed",
+                                         agent.name, lost.getColumn(0).getInt64(), lost.getColumn(1).getInt64()));
+    }
+  }
+
+  /// SQLite's log and its index exist as long as the database is open. SQLite itself reports whether the folder was
+  /// replaced while the database was being opened.
+  void begin_watch() {
+    const std::string name = database_name;
+    watch.emplace(file.parent_path(), std::vector<std::string>{name, name + "-wal", name + "-shm"});
+    if (has_moved(*database)) throw ResultsGone("'{}' was replaced while it was opened", file.string());
+  }
 
   void store_experiment() const {
     const std::string canonical = experiment.canonical.dump();
     SQLite::Statement insert(
         *database, "INSERT INTO experiment (one, id, canonical, canonical_sha256, build) VALUES (1, ?, ?, ?, ?)");
-    insert.bind(1, experiment.id);
-    insert.bind(2, canonical);
-    insert.bind(3, sha256_hex(canonical));
-    insert.bind(4, std::string(build_id()));
+    SQLite::bind(insert, experiment.id, canonical, sha256_hex(canonical), std::string(build_id()));
     insert.exec();
   }
 
-  Stored add(const FlightKey& key, std::string_view trace, std::string_view memory);
-  [[nodiscard]] bool may_differ(const FlightKey& key) const;
-  void store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const;
-  void for_each_flight(const std::function<void(FlightSummary)>& visit) const;
-};
-
-/// A relay that goes on without a lost agent cannot be flown again in the same way, so its first record counts.
-bool ResultStore::State::may_differ(const FlightKey& key) const {
-  return experiment.on_agent_loss == experiment::OnAgentLoss::failover && !experiment.agent(key.agent).crew.empty();
-}
-
-Stored ResultStore::State::add(const FlightKey& key, std::string_view trace, std::string_view memory) {
-  const std::optional<std::string> before = flights.digest(key);
-  const std::uint32_t lineages = experiment.agent(key.agent).lineages();
-  if ((lineages > 0) == memory.empty())
-    throw IntegrityError(
-        fmt::format("condition {}, trial {}, agent '{}': {}", key.condition, key.trial, key.agent,
-                    memory.empty() ? "its memory for the next flight is missing" : "this agent has no memory to keep"));
-  const std::string digest = sha256_hex(trace);
-  if (before) {
-    if (*before == digest || may_differ(key)) return Stored::already_there;
-    throw IntegrityError(fmt::format(
-        "condition {}, trial {}, agent '{}' was flown twice with different results (digests {} and {}); equal flights "
-        "must be equal: are builds or machines mixed in this run?",
-        key.condition, key.trial, key.agent, *before, digest));
+  /// A relay that goes on without a lost agent cannot be flown again in the same way, so its first record counts.
+  [[nodiscard]] bool may_differ(const FlightKey& key) const {
+    return experiment.on_agent_loss == experiment::OnAgentLoss::failover && !experiment.agent(key.agent).crew.empty();
   }
-  flights.insert({key, flights.measure(key.condition, trace), digest}, trace);
-  if (lineages > 0) store_memory(key, lineages, memory);
-  return Stored::added;
-}
 
-void ResultStore::State::store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const {
-  SQLite::Statement row(
-      *database,
-      "INSERT INTO memory (condition, agent, lineage, trial, digest, bytes) VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO "
-      "UPDATE SET trial = excluded.trial, digest = excluded.digest, bytes = excluded.bytes WHERE excluded.trial > "
-      "memory.trial");
-  row.bind(1, key.condition);
-  row.bind(2, key.agent);
-  row.bind(3, key.trial % lineages);
-  row.bind(4, key.trial);
-  row.bind(5, memory_digest(key, memory));
-  row.bindNoCopy(6, memory.data(), static_cast<int>(memory.size()));
-  row.exec();
-}
+  Stored add(const FlightKey& key, std::string_view trace, std::string_view memory) {
+    const std::optional<std::string> before = flights.digest(key);
+    const std::uint32_t lineages = experiment.agent(key.agent).lineages();
+    if ((lineages > 0) == memory.empty())
+      throw IntegrityError(
+          "condition {}, trial {}, agent '{}': {}", key.condition, key.trial, key.agent,
+          memory.empty() ? "its memory for the next flight is missing" : "this agent has no memory to keep");
+    const std::string digest = sha256_hex(trace);
+    if (before) {
+      if (*before == digest || may_differ(key)) return Stored::already_there;
+      throw IntegrityError(
+          "condition {}, trial {}, agent '{}' was flown twice with different results (digests {} and {}); equal "
+          "flights must be equal: are builds or machines mixed in this run?",
+          key.condition, key.trial, key.agent, *before, digest);
+    }
+    flights.insert({key, flights.measure(key.condition, trace), digest}, trace);
+    if (lineages > 0) store_memory(key, lineages, memory);
+    return Stored::added;
+  }
 
-void ResultStore::State::for_each_flight(const std::function<void(FlightSummary)>& visit) const {
-  with_errors_of(file, [&] { flights.visit(std::numeric_limits<std::int64_t>::min(), -1, visit); });
-}
+  void store_memory(const FlightKey& key, std::uint32_t lineages, std::string_view memory) const {
+    SQLite::Statement row(
+        *database,
+        "INSERT INTO memory (condition, agent, lineage, trial, digest, bytes) VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT DO "
+        "UPDATE SET trial = excluded.trial, digest = excluded.digest, bytes = excluded.bytes WHERE excluded.trial > "
+        "memory.trial");
+    SQLite::bind(row, key.condition, key.agent, key.trial % lineages, key.trial, memory_digest(key, memory));
+    row.bindNoCopy(6, memory.data(), static_cast<int>(memory.size()));
+    row.exec();
+  }
+
+  void for_each_flight(const std::function<void(FlightSummary)>& visit) const {
+    with_errors_of(file, [&] { flights.visit(std::numeric_limits<std::int64_t>::min(), -1, visit); });
+  }
+};
 
 ResultStore::ResultStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ResultStore::ResultStore(ResultStore&&) noexcept = default;
 ResultStore::~ResultStore() = default;
-
-/// Refuses the results of another experiment before anything is written.
-void ResultStore::State::begin_writing() {
-  const std::string stored = stored_canonical();
-  if (!stored.empty()) {
-    if (const nlohmann::json there = parse_json(stored, file.string()); experiment::id_of(there) != experiment.id)
-      throw InputError(
-          fmt::format("'{}' holds the results of another experiment: {}. Name another folder with --out, or move this "
-                      "one away",
-                      file.parent_path().string(), experiment::describe_differences(there, experiment.canonical)));
-  }
-  SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::IMMEDIATE);
-  update_format(*database);
-  flights.add_missing_columns();
-  if (stored.empty()) store_experiment();
-  transaction.commit();
-  check_memories();
-}
-
-/// A lineage cannot go on without the memory of its latest flight.
-void ResultStore::State::check_memories() const {
-  for (const agents::AgentSpec& agent : experiment.agents) {
-    if (agent.lineages() == 0) continue;
-    SQLite::Statement lost(
-        *database,
-        "SELECT condition, last FROM (SELECT condition, trial % ?1 AS lineage, max(trial) AS last FROM flight "
-        "WHERE agent = ?2 GROUP BY condition, lineage) AS latest WHERE NOT EXISTS (SELECT 1 FROM memory WHERE "
-        "memory.condition = latest.condition AND memory.agent = ?2 AND memory.lineage = latest.lineage AND "
-        "memory.trial = last) LIMIT 1");
-    lost.bind(1, agent.lineages());
-    lost.bind(2, agent.name);
-    if (lost.executeStep())
-      refuse_damaged(file, fmt::format("the memory of agent '{}' after condition {}, trial {} was removed", agent.name,
-                                       lost.getColumn(0).getInt64(), lost.getColumn(1).getInt64()));
-  }
-}
-
-/// SQLite's log and its index exist as long as the database is open. SQLite itself reports whether the folder was
-/// replaced while the database was being opened.
-void ResultStore::State::begin_watch() {
-  const std::string name = database_name;
-  watch.emplace(file.parent_path(), std::vector<std::string>{name, name + "-wal", name + "-shm"});
-  if (has_moved(*database)) throw ResultsGone(fmt::format("'{}' was replaced while it was opened", file.string()));
-}
 
 ResultStore ResultStore::open_for_writing(const std::filesystem::path& dir, const Experiment& experiment) {
   MadeResults made = make_folder(dir);
@@ -204,11 +187,11 @@ bool ResultStore::exists(const std::filesystem::path& dir) {
 
 ResultStore ResultStore::open_for_reading(const std::filesystem::path& dir) {
   if (!exists(dir))
-    throw InputError(fmt::format("'{}' is no result folder: it has no {}; give the folder that was --out of a run",
-                                 dir.string(), database_name));
+    throw InputError("'{}' is no result folder: it has no {}; give the folder that was --out of a run", dir.string(),
+                     database_name);
   auto state = std::make_unique<State>(dir, Access::read);
   const std::string stored = with_errors_of(state->file, [&] { return state->stored_canonical(); });
-  if (stored.empty()) throw InputError(fmt::format("'{}' holds no results yet", dir.string()));
+  if (stored.empty()) throw InputError("'{}' holds no results yet", dir.string());
   state->experiment = experiment::parse(stored, state->file.string());
   return ResultStore(std::move(state));
 }
@@ -257,10 +240,8 @@ void ResultStore::sign(const ProcessName& writer) {
     SQLite::Statement row(
         *state_->database,
         "INSERT OR REPLACE INTO writer (one, incarnation, host, pid, since_s) VALUES (1, ?, ?, ?, ?)");
-    row.bind(1, std::bit_cast<std::int64_t>(writer.incarnation));
-    row.bind(2, writer.host);
-    row.bind(3, writer.pid);
-    row.bind(4, static_cast<std::int64_t>(writer.since_s));
+    SQLite::bind(row, std::bit_cast<std::int64_t>(writer.incarnation), writer.host, writer.pid,
+                 static_cast<std::int64_t>(writer.since_s));
     row.exec();
   });
 }
@@ -314,8 +295,8 @@ std::vector<FlightSummary> ResultStore::flights() const {
 std::string ResultStore::trace(const FlightKey& key) const {
   std::optional<std::string> bytes = with_errors_of(state_->file, [&] { return state_->flights.trace(key); });
   if (!bytes)
-    throw InputError(fmt::format("condition {}, trial {}, agent '{}' is not among the results in '{}'", key.condition,
-                                 key.trial, key.agent, state_->file.parent_path().string()));
+    throw InputError("condition {}, trial {}, agent '{}' is not among the results in '{}'", key.condition, key.trial,
+                     key.agent, state_->file.parent_path().string());
   return *std::move(bytes);
 }
 
@@ -326,10 +307,7 @@ std::optional<std::string> ResultStore::memory(const FlightKey& key) const {
     SQLite::Statement query(*state_->database,
                             "SELECT bytes, digest FROM memory WHERE condition = ? AND agent = ? AND lineage = ? AND "
                             "trial = ?");
-    query.bind(1, key.condition);
-    query.bind(2, key.agent);
-    query.bind(3, key.trial % lineages);
-    query.bind(4, key.trial);
+    SQLite::bind(query, key.condition, key.agent, key.trial % lineages, key.trial);
     if (!query.executeStep()) return std::nullopt;
     std::string bytes = query.getColumn(0).getString();
     if (memory_digest(key, bytes) != query.getColumn(1).getString())

@@ -7,7 +7,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,8 +22,8 @@ namespace aloft::store {
 using experiment::FlightSummary;
 
 /// No room left on the disk. Nothing of the batch was stored, nothing stored before is lost: try again later.
-class StoreFull : public std::runtime_error {
-  using std::runtime_error::runtime_error;
+class StoreFull : public FormattedError {
+  using FormattedError::FormattedError;
 };
 
 /// The trace as Protobuf (idl/trace.proto), the same bytes for the same record. These bytes are stored, hashed and

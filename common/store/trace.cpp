@@ -65,12 +65,12 @@ void put_introspection(const std::vector<StepRecord>& steps, proto::Trace& trace
 }
 
 void require(bool holds, std::string_view what) {
-  if (!holds) throw IntegrityError(fmt::format("the trace of a flight is damaged: {}", what));
+  if (!holds) throw IntegrityError("the trace of a flight is damaged: {}", what);
 }
 
 bool is_name(const std::string& text) {
   return !text.empty() && text.size() <= limits::name_bytes &&
-         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+         std::ranges::all_of(text, [](char c) { return c > ' ' && c <= '~'; });
 }
 
 void check_columns(const proto::Trace& trace) {
@@ -84,7 +84,7 @@ void check_columns(const proto::Trace& trace) {
        {trace.epsilon_size(), trace.loss_size(), trace.q_down_size(), trace.q_hold_size(), trace.q_up_size()})
     require(size == trace.thoughts_row_size(), "its columns of introspection have different lengths");
   require(rows == 0 || trace.pilots_size() > 0, "it names no pilot");
-  require(std::all_of(trace.pilots().begin(), trace.pilots().end(), is_name), "a pilot's name is not a name");
+  require(std::ranges::all_of(trace.pilots(), is_name), "a pilot's name is not a name");
 }
 
 StepRecord step_at(const proto::Trace& trace, int row) {

@@ -1,7 +1,5 @@
 #include "common/world/city.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,15 +31,15 @@ std::uint32_t base_station_count(const Parameters& world, std::uint64_t seed, st
     const std::uint32_t count = stream.poisson(mean);
     if (count > limits::base_stations)
       throw InputError(
-          fmt::format("bs_density_per_km2 and window_m: the city of trial {} has {} base stations; at most {} are "
-                      "possible: lower the density or the window",
-                      trial, count, limits::base_stations));
+          "bs_density_per_km2 and window_m: the city of trial {} has {} base stations; at most {} are "
+          "possible: lower the density or the window",
+          trial, count, limits::base_stations);
     if (count >= least) return count;
   }
   throw InputError(
-      fmt::format("bs_density_per_km2 and window_m: with {:g} base stations on average, none of {} cities had the {} "
-                  "that min_base_stations asks for; raise the density or the window, or lower min_base_stations",
-                  mean, largest_redraws, least));
+      "bs_density_per_km2 and window_m: with {:g} base stations on average, none of {} cities had the {} "
+      "that min_base_stations asks for; raise the density or the window, or lower min_base_stations",
+      mean, largest_redraws, least);
 }
 
 /// Heights that are Poisson or Rayleigh distributed, by inversion: one uniform number per building.
@@ -55,7 +53,7 @@ class HeightDistribution {
 
   [[nodiscard]] double height_m(double u) const {
     if (rayleigh_) return mean_m_ * std::sqrt(2.0 / std::numbers::pi) * std::sqrt(-2.0 * std::log(u));
-    const auto at = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);
+    const auto at = std::ranges::upper_bound(cumulative_, u);
     return static_cast<double>(at - cumulative_.begin());
   }
 

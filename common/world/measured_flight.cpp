@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -15,8 +14,8 @@
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/number_text.hpp"
 #include "common/base/plain_text.hpp"
-#include "common/base/read_file.hpp"
 
 namespace aloft::world {
 namespace {
@@ -89,17 +88,15 @@ class Reader {
     std::vector<Row> rows;
     while (const auto line = next_line()) rows.push_back(read_row(*line));
     if (rows.empty())
-      throw InputError(fmt::format("{}:{}:1: no rows after the header; one row per (step, height) is needed", name_,
-                                   line_number_ + 1));
+      throw InputError("{}:{}:1: no rows after the header; one row per (step, height) is needed", name_,
+                       line_number_ + 1);
     return rows;
   }
 
-  [[nodiscard]] bool has(ColumnIndex index) const {
-    return std::find(order_.begin(), order_.end(), index) != order_.end();
-  }
+  [[nodiscard]] bool has(ColumnIndex index) const { return std::ranges::find(order_, index) != order_.end(); }
 
   [[noreturn]] void fail(const Field& at, const std::string& reason) const {
-    throw InputError(fmt::format("{}:{}:{}: {}", name_, at.line, at.column, reason));
+    throw InputError("{}:{}:{}: {}", name_, at.line, at.column, reason);
   }
 
  private:
@@ -117,13 +114,12 @@ class Reader {
 
   void read_header() {
     std::vector<std::string> names(columns.size());
-    std::transform(columns.begin(), columns.end(), names.begin(), [](const Column& column) { return column.name; });
+    std::ranges::transform(columns, names.begin(), [](const Column& column) { return column.name; });
     const auto line = next_line();
     if (!line)
-      throw InputError(
-          fmt::format("{}:1:1: the file is empty; it must begin with a header of {}", name_, fmt::join(names, ", ")));
+      throw InputError("{}:1:1: the file is empty; it must begin with a header of {}", name_, fmt::join(names, ", "));
     for (const Field& field : split(*line, line_number_)) {
-      const auto at = std::find(names.begin(), names.end(), field.text);
+      const auto at = std::ranges::find(names, field.text);
       if (at == names.end())
         fail(field, fmt::format("unknown column '{}' in the header.{} Allowed: {}", excerpt(field.text),
                                 did_you_mean(field.text, names), fmt::join(names, ", ")));
@@ -152,11 +148,8 @@ class Reader {
   }
 
   [[nodiscard]] double number(const Field& field, const Column& column) const {
-    double value = 0.0;
-    const char* end = field.text.data() + field.text.size();
-    const auto [stopped, error] = std::from_chars(field.text.data(), end, value);
-    const bool is_number = error == std::errc{} && stopped == end && std::isfinite(value);
-    if (!is_number || value < column.minimum || value > column.maximum || (column.whole && value != std::floor(value)))
+    const double value = number_in<double>(field.text).value_or(std::nan(""));
+    if (!(value >= column.minimum && value <= column.maximum) || (column.whole && value != std::floor(value)))
       fail(field, fmt::format("{} is '{}'; use a {} from {} to {}", column.name, excerpt(field.text),
                               column.whole ? "whole number" : "number", column.minimum, column.maximum));
     return value;
@@ -279,10 +272,6 @@ MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name
       flight.serving_cell.push_back(static_cast<std::int32_t>(row->value[ColumnIndex::serving_cell]));
   }
   return flight;
-}
-
-MeasuredFlight read_measured_flight(const std::filesystem::path& file) {
-  return parse_measured_flight(read_file(file), file.string());
 }
 
 }  // namespace aloft::world

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string_view>
 
 #include "common/world/world.hpp"
@@ -16,8 +15,5 @@ namespace aloft::world {
 /// gaps; the same evenly spaced heights at every step. `name` is the file's name in messages. Throws InputError
 /// "name:line:column: reason", where column counts characters from 1.
 [[nodiscard]] MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name);
-
-/// The same from a file. Throws InputError if it cannot be read.
-[[nodiscard]] MeasuredFlight read_measured_flight(const std::filesystem::path& file);
 
 }  // namespace aloft::world

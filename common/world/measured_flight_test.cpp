@@ -5,6 +5,7 @@
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/base/read_file.hpp"
 
 using namespace aloft;
 using Catch::Contains;
@@ -113,7 +114,7 @@ TEST_CASE("measured flights beyond the limits of the wire are refused") {
 TEST_CASE("unreadable files are named") {
   for (const char* path : {"/nonexistent/flight.csv", "/"}) {
     try {
-      static_cast<void>(world::read_measured_flight(path));
+      static_cast<void>(world::parse_measured_flight(read_file(path), path));
       FAIL("accepted");
     } catch (const InputError& error) {
       CHECK_THAT(error.what(), Contains(path) && Contains("cannot read"));

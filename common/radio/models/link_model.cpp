@@ -23,8 +23,7 @@ Shadowing LinkModel::shadowing(const LinkPlace& /*link*/, bool /*line_of_sight*/
 
 bool register_link_model(LinkModelType type) {
   auto& types = registered_models();
-  const auto after = std::upper_bound(types.begin(), types.end(), type.name,
-                                      [](const std::string& name, const auto& other) { return name < other.name; });
+  const auto after = std::ranges::upper_bound(types, type.name, {}, &LinkModelType::name);
   types.insert(after, std::move(type));
   return true;
 }

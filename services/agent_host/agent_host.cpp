@@ -10,7 +10,6 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <vector>
 
 #include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
@@ -53,10 +52,8 @@ struct Seat {
   Pilot pilot;
 };
 
-}  // namespace
-
-struct AgentHost::State {
-  State(const bus::BusOptions& place, const AgentHostOptions& wanted, StopSignal& stop_signal)
+struct AgentHost {
+  AgentHost(const bus::BusOptions& place, const AgentHostOptions& wanted, StopSignal& stop_signal)
       : options(wanted), stop(stop_signal), participant(place), commands(participant, {.strength = wanted.strength}) {
     liveliness.add(commands);
     waiter.add(follower.reader());
@@ -90,7 +87,7 @@ struct AgentHost::State {
       for (const agents::CrewMember& member : spec.crew) serve({&spec, &member.agent, &member});
     }
     for (const experiment::Warning& warning : experiment::warnings(*experiment))
-      if (std::any_of(roles.begin(), roles.end(), [&](const Role& role) { return role.agent->name == warning.agent; }))
+      if (std::ranges::any_of(roles, [&](const Role& role) { return role.agent->name == warning.agent; }))
         spdlog::warn(warning.text);
     publish_status(wire::AGENT_READY);
   }
@@ -99,9 +96,7 @@ struct AgentHost::State {
     const agents::AgentSpec& spec = *role.agent;
     const agents::AgentType& type = agents::agent_type(spec.type);
     if (type.foreign || type.hosted_by() != options.host) return;
-    if (!options.agents.empty() &&
-        std::find(options.agents.begin(), options.agents.end(), spec.name) == options.agents.end())
-      return;
+    if (!options.agents.empty() && std::ranges::find(options.agents, spec.name) == options.agents.end()) return;
     roles.push_back(role);
     spdlog::info("serves agent {}{}", spec.name, role.member == nullptr ? "" : " in the crew of " + role.entry->name);
     if (role.member != nullptr && !followed) followed.emplace(participant);
@@ -171,8 +166,8 @@ struct AgentHost::State {
     Seats taken;
     for (const Role& role : roles)
       if (flown_by == role.entry->name) taken.push_back(seat(role, report.stream()));
-    if (taken.empty() || (at != seats.end() && std::any_of(at->second.begin(), at->second.end(),
-                                                           [](const auto& seat) { return seat->pilot.thinking(); })))
+    if (taken.empty() ||
+        (at != seats.end() && std::ranges::any_of(at->second, [](const auto& seat) { return seat->pilot.thinking(); })))
       return nobody;
     std::erase_if(early, [&](const wire::HeightProfile& profile) {
       if (profile.stream() != report.stream()) return false;
@@ -259,7 +254,7 @@ struct AgentHost::State {
   void publish_status(wire::AgentState idle_state) {
     std::vector<std::string_view> told;
     for (const Role& role : roles) {
-      if (std::find(told.begin(), told.end(), role.agent->name) != told.end()) continue;
+      if (std::ranges::find(told, role.agent->name) != told.end()) continue;
       told.push_back(role.agent->name);
       wire::AgentStatus status;
       status.agent(wire::name(role.agent->name));
@@ -309,13 +304,10 @@ struct AgentHost::State {
   std::optional<boost::asio::thread_pool> pool;  // last: its threads use the members above
 };
 
-AgentHost::AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop)
-    : state_(std::make_unique<State>(place, options, stop)) {}
+}  // namespace
 
-AgentHost::~AgentHost() = default;
-
-void AgentHost::run() {
-  state_->run();
+void host_agents(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop) {
+  AgentHost(place, options, stop).run();
 }
 
 }  // namespace aloft::agent_host

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,18 +19,6 @@ struct AgentHostOptions {
 
 /// Serves every agent of the running experiment whose type belongs to its host, on every stream of its worker, until
 /// the run ends or a stop is requested.
-class AgentHost {
- public:
-  AgentHost(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop);
-  ~AgentHost();
-  AgentHost(const AgentHost&) = delete;
-  AgentHost& operator=(const AgentHost&) = delete;
-
-  void run();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+void host_agents(const bus::BusOptions& place, const AgentHostOptions& options, StopSignal& stop);
 
 }  // namespace aloft::agent_host

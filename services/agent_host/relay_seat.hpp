@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "common/agents/registry.hpp"
 #include "common/bus/endpoint.hpp"
@@ -20,8 +19,6 @@ class RelaySeat {
   RelaySeat(const bus::Participant& participant, LivelinessTimer& liveliness, const agents::AgentSpec& relay,
             const agents::CrewMember& member, bool stands_by);
   ~RelaySeat();
-  RelaySeat(const RelaySeat&) = delete;
-  RelaySeat& operator=(const RelaySeat&) = delete;
 
   /// Which reports the member may begin a flight with.
   [[nodiscard]] Boarding boarding() const noexcept;

@@ -1,9 +1,8 @@
 #include "services/channel/agent_directory.hpp"
 
-#include <fmt/format.h>
-
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/base/seconds.hpp"
 #include "common/bus/convert.hpp"
 
 namespace aloft::channel {
@@ -21,9 +20,9 @@ agents::Privilege granted(const agents::AgentSpec& spec, wire::Privilege asked_f
   if (asked <= allowed) return asked;
   const agents::PrivilegeTier& tier = agents::privilege_tier(asked);
   throw InputError(
-      fmt::format("agent '{}' asks to see {}, but the experiment allows it privilege \"{}\"; give its entry "
-                  "\"privilege\": \"{}\", or let the program ask for less in AgentStatus",
-                  spec.name, tier.sees, agents::privilege_tier(allowed).name, tier.name));
+      "agent '{}' asks to see {}, but the experiment allows it privilege \"{}\"; give its entry "
+      "\"privilege\": \"{}\", or let the program ask for less in AgentStatus",
+      spec.name, tier.sees, agents::privilege_tier(allowed).name, tier.name);
 }
 
 bool AgentDirectory::update(const wire::AgentStatus& status, Clock::time_point now) {
@@ -84,7 +83,7 @@ std::vector<wire::AgentNews> AgentDirectory::news(Clock::time_point now) const {
   for (const auto& [name, entry] : agents_) {
     if (all.size() == limits::agents_told) break;
     all.push_back(entry.news);
-    all.back().silent_s(std::chrono::duration<double>(now - entry.seen).count());
+    all.back().silent_s(seconds(now - entry.seen));
   }
   return all;
 }

@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/base/seconds.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/store/result_store.hpp"
@@ -34,20 +33,14 @@ constexpr std::chrono::seconds answer_limit{60};
 constexpr std::chrono::milliseconds farewell_time{500};
 constexpr std::size_t max_waiting_for_storage = 32;
 
-double seconds(Clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 /// Attempts must differ from those of a channel that this one replaces: they count from the time of day.
 std::uint32_t first_attempt() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
-}  // namespace
-
-struct Channel::State {
-  State(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop_signal)
+struct Channel {
+  Channel(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop_signal)
       : stop(stop_signal),
         participant(place),
         waiter(stop_signal),
@@ -156,7 +149,7 @@ struct Channel::State {
       return fail(world.lease_id(),
                   fmt::format("the experiment has no trial {} of condition {}", world.trial(), world.condition()));
     for (const wire::AgentName& agent : world.agents())
-      if (agent_index(wire::view(agent.text())) == experiment->agents.size())
+      if (experiment->agent_index(wire::view(agent.text())) == experiment->agents.size())
         return fail(world.lease_id(), fmt::format("the experiment has no agent {}", wire::view(agent.text())));
     builder.submit(experiment, world);
   }
@@ -266,7 +259,7 @@ struct Channel::State {
       if (!trial.map || trial.waiting.empty()) continue;
       if (trial.lane < 0 && !trials.take_lane(trial)) continue;
       std::erase_if(trial.waiting, [&](const std::string& name) {
-        const agents::AgentSpec& spec = experiment->agents[agent_index(name)];
+        const agents::AgentSpec& spec = experiment->agents[experiment->agent_index(name)];
         const std::vector<std::string> missing_agents = agents.absent(spec);
         if (!missing_agents.empty() && !can_spare(spec, missing_agents)) return false;
         start(trial, spec, missing_agents);
@@ -421,8 +414,8 @@ struct Channel::State {
     for (const Trial& trial : trials.all())
       if (trial.lane >= 0)
         for (const std::string& waiting : trial.waiting)
-          for (const std::string& name : agents.absent(experiment->agents[agent_index(waiting)]))
-            if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+          for (const std::string& name : agents.absent(experiment->agents[experiment->agent_index(waiting)]))
+            if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     for (const std::string& name : names) agents.miss(name, now);
     std::erase_if(names, [&](const std::string& name) { return !agents.waited_long(name, now); });
     return names;
@@ -431,20 +424,12 @@ struct Channel::State {
   /// Whether a relay has waited long enough for these members of its crew, and can fly with the others.
   [[nodiscard]] bool can_spare(const agents::AgentSpec& spec, const std::vector<std::string>& names) const {
     return experiment->on_agent_loss == experiment::OnAgentLoss::failover && names.size() < spec.crew.size() &&
-           std::all_of(names.begin(), names.end(),
-                       [&](const std::string& name) { return agents.waited_long(name, now); });
+           std::ranges::all_of(names, [&](const std::string& name) { return agents.waited_long(name, now); });
   }
 
   /// Null if there is no flight in this stream.
   [[nodiscard]] Episode* find(std::uint32_t stream) const {
     return stream < episodes.size() ? episodes[stream].get() : nullptr;
-  }
-
-  [[nodiscard]] std::size_t agent_index(std::string_view name) const {
-    const auto& all = experiment->agents;
-    return static_cast<std::size_t>(
-        std::find_if(all.begin(), all.end(), [&](const agents::AgentSpec& spec) { return spec.name == name; }) -
-        all.begin());
   }
 
   StopSignal& stop;
@@ -488,13 +473,10 @@ struct Channel::State {
   MapBuilder builder{[this] { waiter.wake(); }};  // last: its thread uses the members above
 };
 
-Channel::Channel(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop)
-    : state_(std::make_unique<State>(place, options, stop)) {}
+}  // namespace
 
-Channel::~Channel() = default;
-
-void Channel::run() {
-  state_->run();
+void fly(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop) {
+  Channel(place, options, stop).run();
 }
 
 }  // namespace aloft::channel

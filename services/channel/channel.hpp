@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,20 +15,7 @@ struct ChannelOptions {
 };
 
 /// Flies the episodes of a worker's trials: asks agents, executes their commands, moves the UAVs, measures the radio,
-/// and keeps every finished flight until it is stored.
-class Channel {
- public:
-  Channel(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop);
-  ~Channel();
-  Channel(const Channel&) = delete;
-  Channel& operator=(const Channel&) = delete;
-
-  /// Returns when the run is over or a stop is requested.
-  void run();
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+/// and keeps every finished flight until it is stored. Returns when the run is over or a stop is requested.
+void fly(const bus::BusOptions& place, const ChannelOptions& options, StopSignal& stop);
 
 }  // namespace aloft::channel

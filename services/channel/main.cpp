@@ -18,5 +18,5 @@ int main(int argc, char** argv) {
             ->capture_default_str();
         app.add_option("--agents", options.agents, "Take only flights of these agents [all]")->delimiter(',');
       },
-      [&](runtime::Service& service) { channel::Channel(service.bus, options, service.stop).run(); });
+      [&](runtime::Service& service) { channel::fly(service.bus, options, service.stop); });
 }

@@ -17,13 +17,8 @@ experiment::TrialWorld trial_world(const wire::World& world) {
 
 /// Computes all readings of a route that is known beforehand.
 void fill(radio::SignalMap& map) {
-  const world::Position start = map.start();
-  static_cast<void>(map.column(0, start));
-  if (!map.fixed_route()) return;
-  for (std::uint32_t step = 1; step <= map.steps(); ++step) {
-    const std::uint32_t point = map.result_point(step);
-    static_cast<void>(map.column(point, map.advance(point, start, -1)));
-  }
+  static_cast<void>(map.column(0, map.start()));
+  map.prepare();
 }
 
 MapBuilder::Built build(const experiment::Experiment& experiment, const wire::World& world) {

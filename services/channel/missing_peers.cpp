@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "common/base/seconds.hpp"
+
 namespace aloft::channel {
 namespace {
 
@@ -17,8 +19,7 @@ std::string silence_text(const std::map<std::string, Clock::duration>& silent) {
     names.push_back(name);
     longest = std::max(longest, silence);
   }
-  return fmt::format("{} (no command for {:.0f} s)", agents_text(names),
-                     std::chrono::duration<double>(longest).count());
+  return fmt::format("{} (no command for {:.0f} s)", agents_text(names), seconds(longest));
 }
 
 /// The text up to its first number, which grows while the same peers are missing.

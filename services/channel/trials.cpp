@@ -21,14 +21,13 @@ Trial& Trials::add(std::uint64_t lease_id, std::uint32_t condition, std::uint32_
 }
 
 Trial* Trials::find(std::uint64_t lease_id) {
-  const auto at =
-      std::find_if(trials_.begin(), trials_.end(), [&](const Trial& trial) { return trial.lease_id == lease_id; });
+  const auto at = std::ranges::find(trials_, lease_id, &Trial::lease_id);
   return at == trials_.end() ? nullptr : &*at;
 }
 
 bool Trials::knows(std::uint64_t lease_id) const {
-  return std::any_of(trials_.begin(), trials_.end(), [&](const Trial& trial) { return trial.lease_id == lease_id; }) ||
-         std::find(past_.begin(), past_.end(), lease_id) != past_.end();
+  return std::ranges::find(trials_, lease_id, &Trial::lease_id) != trials_.end() ||
+         std::ranges::find(past_, lease_id) != past_.end();
 }
 
 void Trials::remove(std::uint64_t lease_id) {
@@ -39,7 +38,7 @@ void Trials::remove(std::uint64_t lease_id) {
 }
 
 bool Trials::take_lane(Trial& trial) {
-  const auto free = std::find(lane_taken_.begin(), lane_taken_.end(), false);
+  const auto free = std::ranges::find(lane_taken_, false);
   if (free == lane_taken_.end()) return false;
   *free = true;
   trial.lane = static_cast<int>(free - lane_taken_.begin());
@@ -53,8 +52,7 @@ void Trials::give_back(Trial& trial) {
 }
 
 std::size_t Trials::waiting_for_storage() const {
-  return static_cast<std::size_t>(
-      std::count_if(trials_.begin(), trials_.end(), [](const Trial& trial) { return trial.flown(); }));
+  return static_cast<std::size_t>(std::ranges::count_if(trials_, &Trial::flown));
 }
 
 }  // namespace aloft::channel

@@ -6,7 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "common/base/seconds.hpp"
 
 namespace aloft::coordinator {
 namespace {
@@ -30,10 +31,6 @@ LedgerOptions ledger_options(const experiment::Experiment& experiment, const Coo
   ledger.order_seed = first_grant;  // any seed: results must not depend on the order
   ledger.first_grant = first_grant;
   return ledger;
-}
-
-double seconds(Clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
 }
 
 }  // namespace
@@ -62,17 +59,12 @@ bool Coordinator::resume(const experiment::FlightKey& flight) {
 
 void Coordinator::on_worker(const WorkerNews& news, Clock::time_point now) {
   const std::string name(news.report.name);
-  switch (namesakes_.hear(name, {news.report.incarnation, news.host, news.pid, now}, news.report.capacity == 0)) {
-    case Namesakes::Verdict::alone:
-      break;
-    case Namesakes::Verdict::doubled:
-      spdlog::warn("{}", namesakes_.text(now));  // the status repeats it as long as it lasts
-      return hold_back(news);
-    case Namesakes::Verdict::held_back:
-      return hold_back(news);
-    case Namesakes::Verdict::other_left:
-      return;
-  }
+  using enum Namesakes::Verdict;
+  const Namesakes::Verdict verdict =
+      namesakes_.hear(name, {news.report.incarnation, news.host, news.pid, now}, news.report.capacity == 0);
+  if (verdict == doubled) spdlog::warn("{}", namesakes_.text(now));  // the status repeats it as long as it lasts
+  if (verdict == doubled || verdict == held_back) return hold_back(news);
+  if (verdict == other_left) return;
   take_failures(news, now);
   WorkerReport report = news.report;
   report.flies = flies(news);
@@ -265,9 +257,8 @@ std::vector<bool> Coordinator::flies(const WorkerNews& news) const {
 void Coordinator::find_unserved(Clock::time_point now) {
   std::string text;
   for (std::uint32_t agent = 0; agent < flights_missing_.size() && !workers_.empty(); ++agent) {
-    const bool served = std::any_of(workers_.begin(), workers_.end(), [&](const auto& entry) {
-      return entry.second.flies.empty() || entry.second.flies[agent];
-    });
+    const bool served = std::ranges::any_of(
+        workers_, [&](const auto& entry) { return entry.second.flies.empty() || entry.second.flies[agent]; });
     if (served || flights_missing_[agent] == 0) continue;
     text = fmt::format("no worker flies agent {}; {} flights wait for one that does", experiment_.agents[agent].name,
                        flights_missing_[agent]);

@@ -14,6 +14,7 @@
 #include "common/base/plain_text.hpp"
 #include "common/base/process_name.hpp"
 #include "common/base/read_file.hpp"
+#include "common/base/seconds.hpp"
 #include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
@@ -215,7 +216,7 @@ class Conversation {
   }
 
   void give_up_if_alone(Clock::time_point now) const {
-    const double alone_s = std::chrono::duration<double>(now - worker_seen_).count();
+    const double alone_s = seconds(now - worker_seen_);
     if (options_.give_up_after_s > 0.0 && alone_s > options_.give_up_after_s)
       throw std::runtime_error(fmt::format("gave up: no worker has reported for {:.0f} s (--give-up-after)", alone_s));
   }
@@ -235,27 +236,20 @@ class Conversation {
     const bool known = own_collector_.is_own(news.process);
     const auto folder = known ? OwnCollector::Folder() : results_.look();
     if (!folder) return false;  // its next status will do
-    switch (own_collector_.hear(news, *folder, now)) {
-      case OwnCollector::Verdict::own:
-        return true;
-      case OwnCollector::Verdict::now_own:
-        spdlog::info("the flights are stored by {}, in '{}'", to_text(news.process, "aloft-metrics"), news.results);
-        if (!folder->has_database)
-          spdlog::warn("'{}' of host {} cannot be read here: what is stored there is only counted", news.results,
-                       news.process.host);
-        say(wire::RUN_RUNNING);
-        return true;
-      case OwnCollector::Verdict::now_refused:
-        coordinator_.trouble(fmt::format("refuses {}, which stores in '{}': this run stores in '{}'",
-                                         to_text(news.process, "aloft-metrics"), news.results,
-                                         std::filesystem::absolute(options_.results).string()),
-                             now);
-        say(wire::RUN_RUNNING);
-        return false;
-      case OwnCollector::Verdict::foreign:
-        return false;
-    }
-    return false;
+    using enum OwnCollector::Verdict;
+    const OwnCollector::Verdict verdict = own_collector_.hear(news, *folder, now);
+    if (verdict == now_own)
+      spdlog::info("the flights are stored by {}, in '{}'", to_text(news.process, "aloft-metrics"), news.results);
+    if (verdict == now_own && !folder->has_database)
+      spdlog::warn("'{}' of host {} cannot be read here: what is stored there is only counted", news.results,
+                   news.process.host);
+    if (verdict == now_refused)
+      coordinator_.trouble(fmt::format("refuses {}, which stores in '{}': this run stores in '{}'",
+                                       to_text(news.process, "aloft-metrics"), news.results,
+                                       std::filesystem::absolute(options_.results).string()),
+                           now);
+    if (verdict == now_own || verdict == now_refused) say(wire::RUN_RUNNING);
+    return verdict == own || verdict == now_own;
   }
 
   /// Success is reported only after every flight has been found among the results.

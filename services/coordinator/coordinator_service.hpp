@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "services/coordinator/coordinator.hpp"
 #include "services/runtime/service.hpp"

@@ -1,7 +1,6 @@
 #include "services/coordinator/folder_lock.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -33,9 +32,8 @@ FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, co
     const bool is_here = other.find(" on host " + self.host + " (") != std::string::npos;
     const auto limit = is_here ? patience.here : patience.elsewhere;
     if (std::chrono::steady_clock::now() - start >= limit || stopped())
-      throw InputError(
-          fmt::format("the folder '{}' has a coordinator already: {}; stop that one, or use another folder",
-                      folder_.string(), other));
+      throw InputError("the folder '{}' has a coordinator already: {}; stop that one, or use another folder",
+                       folder_.string(), other);
     if (!is_here && !std::exchange(told, true))
       spdlog::warn("waits for the folder '{}', at most {} s: it has a coordinator, {}", folder_.string(),
                    std::chrono::ceil<std::chrono::seconds>(limit).count(), other);
@@ -46,10 +44,9 @@ FolderLock::FolderLock(std::filesystem::path folder, const ProcessName& self, co
 
 FolderLock::~FolderLock() {
   std::error_code ignored;
-  if (fd_ >= 0) {
-    std::filesystem::remove(file_, ignored);  // while it is locked: no other process can have taken it
-    ::close(fd_);
-  }
+  // While it is locked: no other process can have taken it.
+  if (fd_.is_open()) std::filesystem::remove(file_, ignored);
+  fd_ = Descriptor();
   if (made_folder_) ::rmdir(folder_.c_str());  // if there is nothing in it
 }
 
@@ -59,27 +56,26 @@ bool FolderLock::take() {
   for (;;) {
     std::error_code failed;
     made_folder_ = std::filesystem::create_directories(folder_, failed) || made_folder_;
-    fd_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (fd_ < 0 && errno == ENOENT && !failed) continue;
-    if (fd_ < 0) return true;
-    if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+    fd_ = Descriptor(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+    if (!fd_.is_open() && errno == ENOENT && !failed) continue;
+    if (!fd_.is_open()) return true;
+    if (::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0) {
       const bool taken = errno == EWOULDBLOCK;
-      ::close(fd_);
-      fd_ = -1;
+      fd_ = Descriptor();
       return !taken;
     }
     struct stat ours {};
     struct stat theirs {};
-    if (::fstat(fd_, &ours) == 0 && ::stat(file_.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino &&
+    if (::fstat(fd_.get(), &ours) == 0 && ::stat(file_.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino &&
         ours.st_dev == theirs.st_dev)
       return true;
-    ::close(fd_);
+    fd_ = Descriptor();
   }
 }
 
 void FolderLock::write(const ProcessName& self) const {
   const std::string text = to_text(self, "aloft-coordinator") + "\n";
-  if (fd_ >= 0 && ::ftruncate(fd_, 0) == 0) (void)!::write(fd_, text.data(), text.size());
+  if (fd_.is_open() && ::ftruncate(fd_.get(), 0) == 0) (void)!::write(fd_.get(), text.data(), text.size());
 }
 
 std::string FolderLock::holder() const {

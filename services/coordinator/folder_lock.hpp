@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "common/base/descriptor.hpp"
 #include "common/base/process_name.hpp"
 
 namespace aloft::coordinator {
@@ -26,8 +27,6 @@ class FolderLock {
       std::filesystem::path folder, const ProcessName& self, const LockPatience& patience = {},
       const std::function<bool()>& stopped = [] { return false; });
   ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
  private:
   bool take();
@@ -37,7 +36,7 @@ class FolderLock {
   std::filesystem::path folder_;
   std::filesystem::path file_;
   bool made_folder_ = false;
-  int fd_ = -1;
+  Descriptor fd_;
 };
 
 }  // namespace aloft::coordinator

@@ -125,8 +125,7 @@ HeartbeatResult LeaseLedger::heartbeat(const WorkerReport& report, Clock::time_p
 /// started recognises flights in the air.
 bool LeaseLedger::claim(std::uint32_t worker, std::uint64_t lease, Clock::time_point now, HeartbeatResult& result) {
   std::vector<LiveLease>& leases = workers_[worker].leases;
-  const auto live =
-      std::find_if(leases.begin(), leases.end(), [lease](const LiveLease& own) { return own.id == lease; });
+  const auto live = std::ranges::find(leases, lease, &LiveLease::id);
   if (live != leases.end()) {
     live->listed = now;
     return true;
@@ -353,7 +352,7 @@ void LeaseLedger::update_hungry(std::uint32_t worker) {
 
 bool LeaseLedger::holds(std::uint32_t worker, std::uint64_t lease) const noexcept {
   const std::vector<LiveLease>& leases = workers_[worker].leases;
-  return std::any_of(leases.begin(), leases.end(), [lease](const LiveLease& own) { return own.id == lease; });
+  return std::ranges::any_of(leases, [lease](const LiveLease& own) { return own.id == lease; });
 }
 
 void LeaseLedger::erase_lease(std::uint32_t trial_index) noexcept {

@@ -20,8 +20,7 @@ Namesakes::Verdict Namesakes::hear(std::string_view worker, const Voice& voice, 
     return Verdict::alone;
   }
 
-  const auto known = std::find_if(name.voices.begin(), name.voices.end(),
-                                  [&](const Voice& other) { return other.incarnation == voice.incarnation; });
+  const auto known = std::ranges::find(name.voices, voice.incarnation, &Voice::incarnation);
   const bool speaks_again = known != name.voices.end() && name.last != voice.incarnation;
   if (known == name.voices.end())
     name.voices.push_back(voice);

@@ -10,7 +10,7 @@ OwnCollector::Verdict OwnCollector::hear(const News& news, const Folder& folder,
     return Verdict::own;
   }
   const std::uint64_t incarnation = news.process.incarnation;
-  if (std::find(refused_.begin(), refused_.end(), incarnation) != refused_.end()) return Verdict::foreign;
+  if (std::ranges::find(refused_, incarnation) != refused_.end()) return Verdict::foreign;
   if (becomes_own(news, folder)) {
     own_ = news;
     return Verdict::now_own;

@@ -1,6 +1,5 @@
 #include "services/coordinator/results_view.hpp"
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "common/base/error.hpp"
@@ -18,9 +17,9 @@ const store::ResultStore* ResultsView::open(const std::function<bool()>& wait) {
     }
   }
   if (database_ && database_->experiment().id != experiment_.id)
-    throw InputError(fmt::format(
-        "--results {}: holds results of experiment {} ({}), not of {} ({}); choose another folder", folder_.string(),
-        database_->experiment().name, database_->experiment().id, experiment_.name, experiment_.id));
+    throw InputError("--results {}: holds results of experiment {} ({}), not of {} ({}); choose another folder",
+                     folder_.string(), database_->experiment().name, database_->experiment().id, experiment_.name,
+                     experiment_.id);
   return database();
 }
 

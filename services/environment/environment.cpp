@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <chrono>
 #include <list>
 #include <optional>
@@ -23,9 +22,7 @@ constexpr std::chrono::seconds resend_period{1};
 constexpr int max_sends = 10;
 constexpr std::size_t max_queue = 256;
 
-}  // namespace
-
-struct Environment::State {
+struct Environment {
   /// A trial whose world the channel has not confirmed.
   struct Pending {
     wire::TrialAssignment assignment;
@@ -33,7 +30,7 @@ struct Environment::State {
     int sends = 0;
   };
 
-  State(const bus::BusOptions& place, StopSignal& stop_signal)
+  Environment(const bus::BusOptions& place, StopSignal& stop_signal)
       : stop(stop_signal), participant(place), waiter(stop_signal) {
     waiter.add(follower.reader());
     waiter.add(assignments);
@@ -113,13 +110,10 @@ struct Environment::State {
   bool told_missing = false;
 };
 
-Environment::Environment(const bus::BusOptions& place, StopSignal& stop)
-    : state_(std::make_unique<State>(place, stop)) {}
+}  // namespace
 
-Environment::~Environment() = default;
-
-void Environment::run() {
-  state_->run();
+void make_worlds(const bus::BusOptions& place, StopSignal& stop) {
+  Environment(place, stop).run();
 }
 
 }  // namespace aloft::environment

@@ -6,7 +6,6 @@ int main(int argc, char** argv) {
   using namespace aloft;
   const runtime::ServiceInfo info{
       .name = "aloft-environment", .description = "Makes the worlds that a worker's UAVs fly in.", .in_worker = true};
-  return runtime::run_service(argc, argv, info, {}, [](runtime::Service& service) {
-    environment::Environment(service.bus, service.stop).run();
-  });
+  return runtime::run_service(argc, argv, info, {},
+                              [](runtime::Service& service) { environment::make_worlds(service.bus, service.stop); });
 }

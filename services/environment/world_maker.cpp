@@ -36,8 +36,7 @@ wire::World WorldMaker::make(const wire::TrialAssignment& assignment) {
 
 void WorldMaker::fill(wire::World& world, const wire::TrialAssignment& assignment) {
   if (assignment.condition() >= experiment_.conditions.size() || assignment.trial() >= experiment_.trials)
-    throw InputError(
-        fmt::format("the experiment has no condition {} with trial {}", assignment.condition(), assignment.trial()));
+    throw InputError("the experiment has no condition {} with trial {}", assignment.condition(), assignment.trial());
   const experiment::Condition& condition = experiment_.conditions[assignment.condition()];
   if (condition.kind == experiment::WorldKind::generated)
     return bus::put(world, experiment::make_city(experiment_, condition, assignment.trial()));

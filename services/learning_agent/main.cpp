@@ -19,5 +19,5 @@ int main(int argc, char** argv) {
             ->capture_default_str();
         app.add_option("--agents", options.agents, "Serve only these agents [all]")->delimiter(',');
       },
-      [&](runtime::Service& service) { agent_host::AgentHost(service.bus, options, service.stop).run(); });
+      [&](runtime::Service& service) { agent_host::host_agents(service.bus, options, service.stop); });
 }

@@ -9,6 +9,7 @@
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/limits.hpp"
+#include "common/base/seconds.hpp"
 
 namespace aloft::metrics {
 namespace {
@@ -46,9 +47,8 @@ std::optional<std::string> Collector::offer(Record record, Clock::time_point now
   if (auto refused = check(record, steps)) return refused;
   const std::size_t bytes = record.trace.size() + record.memory.size();
   const bool no_room = !queue_.empty() && queue_bytes_ + bytes > options_.queue_bytes;
-  const bool queued = std::any_of(queue_.begin(), queue_.end(), [&](const Record& other) {
-    return other.key == record.key && other.trace == record.trace;
-  });
+  const bool queued = std::ranges::any_of(
+      queue_, [&](const Record& other) { return other.key == record.key && other.trace == record.trace; });
   if (no_room || queued) return std::nullopt;  // it will come again
   if (queue_.empty()) oldest_ = now;
   queue_bytes_ += bytes;
@@ -76,7 +76,7 @@ std::vector<Acknowledgement> Collector::commit_due(Clock::time_point now, bool f
     instruments_.set_paused(true);
     return {};
   }
-  instruments_.committed(std::chrono::duration<double>(Clock::now() - started).count());
+  instruments_.committed(seconds(Clock::now() - started));
   instruments_.set_paused(false);
   paused_because_.clear();
 
@@ -110,13 +110,12 @@ std::optional<std::string> Collector::check(const Record& record, std::size_t& s
     return refuse(Rejection::unknown_flight, record,
                   fmt::format("the experiment has {} conditions of {} trials", experiment_.conditions.size(),
                               experiment_.trials));
-  const auto& agents = experiment_.agents;
-  const auto agent =
-      std::find_if(agents.begin(), agents.end(), [&](const auto& one) { return one.name == record.key.agent; });
-  if (agent == agents.end()) return refuse(Rejection::unknown_flight, record, "the experiment has no such agent");
+  const std::size_t agent = experiment_.agent_index(record.key.agent);
+  if (agent == experiment_.agents.size())
+    return refuse(Rejection::unknown_flight, record, "the experiment has no such agent");
   if (record.episode_id != experiment::episode_id(experiment_, record.key))
     return refuse(Rejection::unknown_flight, record, "its episode id does not fit");
-  if ((agent->lineages() > 0) == record.memory.empty())
+  if ((experiment_.agents[agent].lineages() > 0) == record.memory.empty())
     return refuse(Rejection::bad_trace, record,
                   record.memory.empty() ? "the agent's memory is missing" : "its agent has no memory to keep");
   try {

@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "common/experiment/experiment.hpp"

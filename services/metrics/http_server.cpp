@@ -1,7 +1,5 @@
 #include "services/metrics/http_server.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <boost/algorithm/string/predicate.hpp>
@@ -83,8 +81,8 @@ class HostNames {
     error_code no_address;
     const net::ip::address address = net::ip::make_address(std::string(name), no_address);
     if (!no_address) return any_address_ || address.is_loopback();
-    return std::any_of(names_.begin(), names_.end(),
-                       [&](const std::string& known) { return boost::algorithm::iequals(known, name); });
+    return std::ranges::any_of(names_,
+                               [&](const std::string& known) { return boost::algorithm::iequals(known, name); });
   }
 
   bool any_address_;
@@ -166,8 +164,8 @@ net::awaitable<void> HttpServer::State::accept_all() {
       continue;
     }
     // Connections that are closed already still wait for their answer from the workshop.
-    const auto oldest = std::find_if(connections.begin(), connections.end(),
-                                     [](beast::tcp_stream& stream) { return stream.socket().is_open(); });
+    const auto oldest =
+        std::ranges::find_if(connections, [](beast::tcp_stream& stream) { return stream.socket().is_open(); });
     if (connections.size() >= limits.connections && oldest != connections.end()) oldest->close();
     connections.emplace_back(std::move(socket));
     net::co_spawn(io, converse(std::prev(connections.end())), net::detached);
@@ -246,8 +244,8 @@ HttpServer::HttpServer(const std::string& address, int port, std::map<std::strin
     acceptor.bind(tcp::endpoint(bound, static_cast<std::uint16_t>(port)));
     acceptor.listen();
   } catch (const boost::system::system_error& error) {
-    throw InputError(fmt::format("--http-port {}: the port cannot be opened on {}: {}; choose another, or 0 for any",
-                                 port, address, error.code().message()));
+    throw InputError("--http-port {}: the port cannot be opened on {}: {}; choose another, or 0 for any", port, address,
+                     error.code().message());
   }
   net::co_spawn(state_->io, state_->accept_all(), net::detached);
   state_->thread = std::thread([this] { state_->io.run(); });

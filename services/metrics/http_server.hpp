@@ -40,8 +40,6 @@ class HttpServer {
   HttpServer(const std::string& address, int port, std::map<std::string, HttpRoute> routes,
              std::vector<std::string> names = {}, const HttpLimits& limits = {});
   ~HttpServer();
-  HttpServer(const HttpServer&) = delete;
-  HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] int port() const noexcept;
 

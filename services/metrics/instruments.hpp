@@ -18,8 +18,6 @@ class Instruments {
  public:
   Instruments();
   ~Instruments();
-  Instruments(const Instruments&) = delete;
-  Instruments& operator=(const Instruments&) = delete;
 
   void stored(std::size_t steps);
   void duplicate();

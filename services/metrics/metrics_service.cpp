@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -135,22 +134,22 @@ class Conversation {
     });
     memory_requests_.drain([this](const wire::MemoryRequest& request) { tell_memory(request); });
     workers_.drain([this](const wire::WorkerStatus& status) {
-      board_.on_worker(status);
+      board_.hear(status);
       instruments_.answered(wire::view(status.worker()), status.incarnation(), status.answer_counts(),
                             status.answer_s());
     });
     runs_.drain([this](const wire::RunStatus& status) {
-      board_.on_run(status);
+      board_.hear(status);
       instruments_.set_progress(static_cast<double>(status.flights_total()), status.workers_alive());
     });
     controls_.drain([this](const wire::RunControl& control) { follow(control); });
   }
 
   void follow(const wire::RunControl& control) {
-    board_.on_control(control);
+    board_.hear(control);
     const std::uint64_t self = this_process().incarnation;
     const ProcessName own = bus::from_wire(control.collector());
-    const bool refused = std::find(control.refused().begin(), control.refused().end(), self) != control.refused().end();
+    const bool refused = std::ranges::find(control.refused(), self) != control.refused().end();
     const bool over = control.state() != wire::RUN_RUNNING;
     if (refused || (over && own.known() && own.incarnation != self)) throw InputError(refusal(own));
     if (own.known()) accepted_ = own.incarnation == self;
@@ -265,7 +264,7 @@ class Conversation {
     status.state(state);
     status.message(wire::message(message));
     collector_news_.write(status);
-    board_.on_collector(status);
+    board_.hear(status);
   }
 
   /// For faults of other processes, which can come often: logs one of them every say_again_time.

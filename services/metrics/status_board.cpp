@@ -7,26 +7,6 @@ constexpr auto stalled_after = std::chrono::seconds(10);
 
 }  // namespace
 
-void StatusBoard::on_control(const wire::RunControl& control) {
-  const std::lock_guard lock(mutex_);
-  view_.on_control(control);
-}
-
-void StatusBoard::on_run(const wire::RunStatus& status) {
-  const std::lock_guard lock(mutex_);
-  view_.on_run(status, Clock::now());
-}
-
-void StatusBoard::on_worker(const wire::WorkerStatus& status) {
-  const std::lock_guard lock(mutex_);
-  view_.on_worker(status, Clock::now());
-}
-
-void StatusBoard::on_collector(const wire::CollectorStatus& status) {
-  const std::lock_guard lock(mutex_);
-  view_.on_collector(status);
-}
-
 void StatusBoard::on_tick(Clock::time_point now, const std::string& paused) {
   {
     const std::lock_guard lock(health_mutex_);

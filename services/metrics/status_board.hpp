@@ -4,7 +4,6 @@
 #include <mutex>
 #include <string>
 
-#include "common/bus/wire.hpp"
 #include "services/metrics/http_server.hpp"
 #include "services/status/run_view.hpp"
 
@@ -18,10 +17,12 @@ class StatusBoard {
   /// `run`: its name on the bus.
   explicit StatusBoard(std::string run) : view_(std::move(run)) {}
 
-  void on_control(const wire::RunControl& control);
-  void on_run(const wire::RunStatus& status);
-  void on_worker(const wire::WorkerStatus& status);
-  void on_collector(const wire::CollectorStatus& status);
+  /// A message that RunView::hear() takes.
+  template <typename Message>
+  void hear(const Message& message) {
+    const std::lock_guard lock(mutex_);
+    view_.hear(message, Clock::now());
+  }
   /// From the collector's loop; `paused` says why nothing can be stored, or is empty.
   void on_tick(Clock::time_point now, const std::string& paused);
 

@@ -23,8 +23,7 @@ constexpr std::size_t widest_help = 100;  // longer lines are hard to read
 constexpr std::size_t names_column = 28;
 
 std::string upper_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return text;
 }
 
@@ -122,8 +121,7 @@ std::string commands_text(const CLI::App& app, std::size_t width) {
                               command->get_require_option_min() == 1 ? "One of these is needed" : "Options", width);
       continue;
     }
-    auto group = std::find_if(groups.begin(), groups.end(),
-                              [&](const auto& other) { return other.first == command->get_group(); });
+    auto group = std::ranges::find_if(groups, [&](const auto& other) { return other.first == command->get_group(); });
     if (group == groups.end()) group = groups.insert(groups.end(), {command->get_group(), ""});
     group->second += entry(command->get_name(), command->get_description(), width);
   }

@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/descriptor.hpp"
+
 namespace aloft::runtime {
 
 /// Lets one process of a machine at a time do a task for a run. Held as an abstract socket name, so it reaches as far
@@ -12,16 +14,13 @@ class RunClaim {
  public:
   /// `what`: the task, e.g. "coordinator".
   RunClaim(std::string_view run, int domain, std::string_view what);
-  ~RunClaim();
-  RunClaim(const RunClaim&) = delete;
-  RunClaim& operator=(const RunClaim&) = delete;
 
   /// True if this process has the claim, now or since earlier; false if another process has it.
   bool take();
 
  private:
   std::string name_;
-  int socket_ = -1;
+  Descriptor socket_;
 };
 
 }  // namespace aloft::runtime

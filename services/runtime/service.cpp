@@ -1,6 +1,5 @@
 #include "services/runtime/service.hpp"
 
-#include <fmt/format.h>
 #include <signal.h>
 #include <spdlog/sinks/rotating_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -8,9 +7,7 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <CLI/Config.hpp>
 #include <CLI/Error.hpp>
-#include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <optional>
 #include <system_error>
@@ -98,8 +95,7 @@ void open_log(const CommonOptions& options, const ServiceInfo& info, MadeLog& ma
       made.make(file);
       sinks.push_back(std::make_shared<spdlog::sinks::rotating_file_sink_mt>(file.string(), log_file_bytes, log_files));
     } catch (const std::exception& error) {
-      throw InputError(
-          fmt::format("cannot write the log {}: {}; choose another --log-dir", file.string(), error.what()));
+      throw InputError("cannot write the log {}: {}; choose another --log-dir", file.string(), error.what());
     }
   }
   auto logger = std::make_shared<spdlog::logger>(name, sinks.begin(), sinks.end());

@@ -32,9 +32,9 @@ bool SoleCoordinator::take(RunClaim& claim, std::chrono::milliseconds quiet, con
     if (ours && waited >= quiet) return true;
     if (!ours && waited >= patience)
       throw InputError(
-          fmt::format("another process of this machine coordinates run '{}' and does not say who it is; wait for it, "
-                      "end it, or use another --run",
-                      run_));
+          "another process of this machine coordinates run '{}' and does not say who it is; wait for it, "
+          "end it, or use another --run",
+          run_);
     std::this_thread::sleep_for(poll_period);
   }
   return false;

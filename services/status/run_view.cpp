@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 
 #include "common/base/error.hpp"
 #include "common/base/json_text.hpp"
+#include "common/base/seconds.hpp"
 #include "common/bus/answer_times.hpp"
 
 namespace aloft::status {
@@ -19,67 +21,36 @@ constexpr auto forget_leavers_after = std::chrono::seconds(10);
 constexpr auto forget_lost_after = std::chrono::minutes(10);
 constexpr auto rate_window = std::chrono::seconds(5);
 
-double seconds(Clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 /// To a tenth: more digits would only flicker.
 double tenths(double value) {
   return std::round(value * 10.0) / 10.0;
 }
 
-std::string_view to_text(wire::RunState state) noexcept {
-  switch (state) {
-    case wire::RUN_RUNNING:
-      return "running";
-    case wire::RUN_STOPPING:
-      return "stopping";
-    case wire::RUN_FINISHED:
-      return "finished";
-    case wire::RUN_FAILED:
-      return "failed";
-  }
-  return "unknown";
-}
+// Words for the enumerators of the IDL, in their order.
+constexpr std::array<std::string_view, 4> run_states{"running", "stopping", "finished", "failed"};
+constexpr std::array<std::string_view, 3> collector_states{"storing", "paused", "failed"};
+constexpr std::array<std::string_view, 4> agent_states{"ready", "flying", "shadow", "stopped"};
 
-std::string_view to_text(wire::CollectorState state) noexcept {
-  switch (state) {
-    case wire::COLLECTOR_STORING:
-      return "storing";
-    case wire::COLLECTOR_PAUSED:
-      return "paused";
-    case wire::COLLECTOR_FAILED:
-      return "failed";
-  }
-  return "unknown";
-}
-
-std::string_view to_text(wire::AgentState state) noexcept {
-  switch (state) {
-    case wire::AGENT_READY:
-      return "ready";
-    case wire::AGENT_FLYING:
-      return "flying";
-    case wire::AGENT_SHADOW:
-      return "shadow";
-    case wire::AGENT_STOPPED:
-      return "stopped";
-  }
-  return "unknown";
+template <typename State, std::size_t n>
+std::string_view word_for(State state, const std::array<std::string_view, n>& words) {
+  const auto index = static_cast<std::size_t>(state);
+  return index < n ? words[index] : "unknown";
 }
 
 /// `since`: seconds since the worker's status.
 Json to_json(const wire::AgentNews& agent, double since) {
   const double silent_s = agent.silent_s() + since;
-  return {
-      {"agent", wire::view(agent.agent())},     {"type", wire::view(agent.type())},
-      {"process", wire::view(agent.process())}, {"state", silent_s > lost_after_s ? "lost" : to_text(agent.state())},
-      {"silent_s", tenths(silent_s)},           {"flights", agent.flights()}};
+  return {{"agent", wire::view(agent.agent())},
+          {"type", wire::view(agent.type())},
+          {"process", wire::view(agent.process())},
+          {"state", silent_s > lost_after_s ? "lost" : word_for(agent.state(), agent_states)},
+          {"silent_s", tenths(silent_s)},
+          {"flights", agent.flights()}};
 }
 
 }  // namespace
 
-void RunView::on_control(const wire::RunControl& control) {
+void RunView::hear(const wire::RunControl& control, Clock::time_point /*now*/) {
   if (!experiment_.empty()) return;
   try {
     const Json experiment = parse_json(wire::view(control.experiment_json()), "RunControl");
@@ -89,13 +60,13 @@ void RunView::on_control(const wire::RunControl& control) {
   }
 }
 
-void RunView::on_run(const wire::RunStatus& status, Clock::time_point now) {
+void RunView::hear(const wire::RunStatus& status, Clock::time_point now) {
   run_ = status;
   run_heard_ = now;
   pace_.update(status.flights_stored(), !wire::view(status.message()).empty(), now);
 }
 
-void RunView::on_worker(const wire::WorkerStatus& status, Clock::time_point now) {
+void RunView::hear(const wire::WorkerStatus& status, Clock::time_point now) {
   Worker& worker = workers_[std::string(wire::view(status.worker()))];
   if (worker.status.incarnation() != status.incarnation()) worker.counts.clear();
   worker.status = status;
@@ -104,7 +75,7 @@ void RunView::on_worker(const wire::WorkerStatus& status, Clock::time_point now)
   while (worker.counts.size() > 2 && now - worker.counts[1].at >= rate_window) worker.counts.pop_front();
 }
 
-void RunView::on_collector(const wire::CollectorStatus& status) {
+void RunView::hear(const wire::CollectorStatus& status, Clock::time_point /*now*/) {
   collector_ = status;
 }
 
@@ -178,7 +149,7 @@ Json RunView::to_json(Clock::time_point now) const {
   return {{"run", name_},
           {"experiment", experiment_},
           {"experiment_id", experiment_id},
-          {"state", run_ ? to_text(run.state()) : "unknown"},
+          {"state", run_ ? word_for(run.state(), run_states) : "unknown"},
           {"silent_s", run_ ? Json(tenths(seconds(now - run_heard_))) : Json()},
           {"flights_total", run.flights_total()},
           {"flights_stored", run.flights_stored()},
@@ -192,7 +163,7 @@ Json RunView::to_json(Clock::time_point now) const {
             {"failed", run.trials_failed()}}},
           {"message", wire::view(run.message())},
           {"collector",
-           {{"state", collector_ ? to_text(collector_->state()) : "unknown"},
+           {{"state", collector_ ? word_for(collector_->state(), collector_states) : "unknown"},
             {"message", collector_ ? wire::view(collector_->message()) : std::string_view()}}},
           {"workers", std::move(workers)}};
 }

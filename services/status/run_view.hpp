@@ -24,10 +24,10 @@ class RunView {
   /// `name`: the run's name on the bus.
   explicit RunView(std::string name) : name_(std::move(name)) {}
 
-  void on_control(const wire::RunControl& control);
-  void on_run(const wire::RunStatus& status, Clock::time_point now);
-  void on_worker(const wire::WorkerStatus& status, Clock::time_point now);
-  void on_collector(const wire::CollectorStatus& status);
+  void hear(const wire::RunControl& control, Clock::time_point now);
+  void hear(const wire::RunStatus& status, Clock::time_point now);
+  void hear(const wire::WorkerStatus& status, Clock::time_point now);
+  void hear(const wire::CollectorStatus& status, Clock::time_point now);
   /// Forgets workers that left 10 s ago, and those that have been lost for 10 minutes.
   void forget_old(Clock::time_point now);
 

@@ -61,12 +61,12 @@ wire::RunStatus run_news() {
 TEST_CASE("a run is shown with the rates of its workers, the time left, and its agents", "[status]") {
   status::RunView view("demo");
   CHECK_FALSE(view.heard());
-  view.on_run(run_news(), start + 4s);
-  view.on_worker(worker_news(10, 1000), start);
-  view.on_worker(worker_news(16, 1600), start + 4s);
+  view.hear(run_news(), start + 4s);
+  view.hear(worker_news(10, 1000), start);
+  view.hear(worker_news(16, 1600), start + 4s);
   CHECK(view.heard());
   CHECK_FALSE(view.complete());
-  view.on_collector({});
+  view.hear(wire::CollectorStatus(), start);
   CHECK(view.complete());
 
   const auto json = view.to_json(start + 4s);
@@ -93,8 +93,8 @@ TEST_CASE("a run is shown with the rates of its workers, the time left, and its 
 
 TEST_CASE("silent processes are named, with the time since they were heard", "[status]") {
   status::RunView view("demo");
-  view.on_run(run_news(), start);
-  view.on_worker(worker_news(0, 0), start);
+  view.hear(run_news(), start);
+  view.hear(worker_news(0, 0), start);
   auto json = view.to_json(start + 65s);
   CHECK(json["workers"][0]["state"] == "lost");
   CHECK(json["workers"][0]["agents"][0]["state"] == "lost");
@@ -108,7 +108,7 @@ TEST_CASE("silent processes are named, with the time since they were heard", "[s
 
   auto leaving = worker_news(0, 0);
   leaving.capacity(0);
-  view.on_worker(leaving, start);
+  view.hear(leaving, start);
   CHECK(view.to_json(start + 5s)["workers"][0]["state"] == "left");
   view.forget_old(start + 11s);
   CHECK(view.to_json(start)["workers"].empty());
@@ -116,15 +116,15 @@ TEST_CASE("silent processes are named, with the time since they were heard", "[s
 
 TEST_CASE("the time left is unknown while nothing is stored", "[status]") {
   status::RunView view("demo");
-  view.on_run(run_news(), start);
+  view.hear(run_news(), start);
   CHECK(view.to_json(start + 1s)["eta_s"] == 40.0);
   auto waiting = run_news();
   waiting.message("no worker for 5 s; waiting for one to join");
-  view.on_run(waiting, start + 3s);
+  view.hear(waiting, start + 3s);
   CHECK(view.to_json(start + 3s)["eta_s"].is_null());
   CHECK_THAT(status::run_line(view.to_json(start + 3s)), Contains("ETA -:--"));
   waiting.flights_stored(41);
-  view.on_run(waiting, start + 4s);
+  view.hear(waiting, start + 4s);
   CHECK(view.to_json(start + 4s)["eta_s"] == 39.0);
 }
 
@@ -132,8 +132,8 @@ TEST_CASE("a run fits a narrow terminal, and a lost worker is one line", "[statu
   status::RunView view("a-run-with-a-name-that-is-rather-long-for-a-terminal");
   auto news = run_news();
   news.message("no worker has been heard for a while, so everything that is there waits until one joins this run");
-  view.on_run(news, start);
-  view.on_worker(worker_news(10, 1000), start);
+  view.hear(news, start);
+  view.hear(worker_news(10, 1000), start);
   const std::string alive = status::run_text(view.to_json(start + 1s), 60);
   INFO(alive);
   std::istringstream lines(alive);
@@ -147,12 +147,12 @@ TEST_CASE("a run fits a narrow terminal, and a lost worker is one line", "[statu
 
 TEST_CASE("a worker that restarted counts its rates anew", "[status]") {
   status::RunView view("demo");
-  view.on_worker(worker_news(1000, 100000), start);
+  view.hear(worker_news(1000, 100000), start);
   auto again = worker_news(2, 200);
   again.incarnation(2);
-  view.on_worker(again, start + 1s);
+  view.hear(again, start + 1s);
   again.steps_done(300);
-  view.on_worker(again, start + 2s);
+  view.hear(again, start + 2s);
   CHECK(view.to_json(start + 2s)["workers"][0]["steps_per_s"] == 100.0);
 }
 
@@ -160,7 +160,7 @@ TEST_CASE("messages cannot command the terminal", "[status]") {
   status::RunView view("demo");
   auto news = run_news();
   news.message("trial 3 failed\n\033[2Jtrial 4 failed");
-  view.on_run(news, start);
+  view.hear(news, start);
   CHECK_THAT(status::run_text(view.to_json(start), unlimited_width),
              Contains("! trial 3 failed; \\x1b[2Jtrial 4 failed\n"));
 }
@@ -171,11 +171,11 @@ TEST_CASE("what cannot be read of an experiment is left out", "[status]") {
   for (const std::string& text : {std::string(R"({"name": 5})"), std::string("[1]"), std::string("{"), std::string(),
                                   std::string(200'000, '['), std::string("\"\xff\"")}) {
     control.experiment_json(wire::bytes(text));
-    view.on_control(control);
+    view.hear(control, start);
     CHECK(view.to_json(start)["experiment"] == "");
   }
   control.experiment_json(wire::bytes(R"({"name": "the-one"})"));
-  view.on_control(control);
+  view.hear(control, start);
   CHECK(view.to_json(start)["experiment"] == "the-one");
 }
 

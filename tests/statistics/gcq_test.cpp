@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "common/base/read_file.hpp"
 #include "common/flight/flight.hpp"
 #include "common/radio/measured_map.hpp"
 #include "common/world/measured_flight.hpp"
@@ -20,7 +21,7 @@ double mean_mbps(radio::SignalMap& map, const nlohmann::json& agent, std::uint32
 TEST_CASE("agents on the real flight over Grand Canal Quay", "[needs-gcq]") {
   const auto gcq_csv = aloft::test::published_file("gcq.csv");
   if (gcq_csv.empty()) return;
-  const auto map = radio::make_measured_map(world::read_measured_flight(gcq_csv));
+  const auto map = radio::make_measured_map(world::parse_measured_flight(aloft::read_file(gcq_csv), "gcq.csv"));
   // Computed elsewhere, in Mbit/s.
   CHECK(mean_mbps(*map, "min-height") == Approx(68.18).margin(0.01));
   CHECK(mean_mbps(*map, "constant-60") == Approx(41.49).margin(0.01));

@@ -5,7 +5,6 @@
 
 #include "common/agents/registry.hpp"
 #include "common/base/plain_text.hpp"
-#include "common/experiment/experiment.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/package_data.hpp"
 

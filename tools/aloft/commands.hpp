@@ -12,26 +12,11 @@ namespace aloft::cli {
 /// What the chosen subcommand does; returns the exit code.
 using Job = std::function<int()>;
 
-/// Each function adds one subcommand to `app`, which sets `job` when the command line names it.
-void add_run(CLI::App& app, Job& job);
-void add_worker(CLI::App& app, Job& job);
-void add_coordinator(CLI::App& app, Job& job);
-void add_metrics(CLI::App& app, Job& job);
-void add_reproduce(CLI::App& app, Job& job);
-void add_swap(CLI::App& app, Job& job);
-void add_tournament(CLI::App& app, Job& job);
-void add_report(CLI::App& app, Job& job);
-void add_validate(CLI::App& app, Job& job);
-void add_agents(CLI::App& app, Job& job);
-void add_export(CLI::App& app, Job& job);
-void add_digest(CLI::App& app, Job& job);
-void add_compare(CLI::App& app, Job& job);
-void add_import_rdata(CLI::App& app, Job& job);
-void add_inspect(CLI::App& app, Job& job);
-void add_status(CLI::App& app, Job& job);
-void add_keys(CLI::App& app, Job& job);
-void add_doctor(CLI::App& app, Job& job);
-void add_train(CLI::App& app, Job& job);
+/// Adds one subcommand to `app`, which sets `job` when the command line names it.
+using AddCommand = void(CLI::App& app, Job& job);
+AddCommand add_run, add_worker, add_coordinator, add_metrics, add_reproduce, add_swap, add_tournament, add_report,
+    add_validate, add_agents, add_export, add_digest, add_compare, add_import_rdata, add_inspect, add_status, add_keys,
+    add_doctor, add_train;
 
 /// An experiment file and what the command line changes in it.
 struct ExperimentOptions {

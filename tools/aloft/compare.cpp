@@ -148,8 +148,8 @@ void print_text(const Both& both, const TableShape& shape) {
   const auto print_line = [&](const std::string& text) { fmt::print("{}", wrapped(text, shape.width)); };
   print_heading(both, shape.width);
   print_tables(comparison, shape);
-  if (std::any_of(comparison.agents.begin(), comparison.agents.end(),
-                  [](const AgentComparison& row) { return row.privilege != agents::Privilege::none; }))
+  if (std::ranges::any_of(comparison.agents,
+                          [](const AgentComparison& row) { return row.privilege != agents::Privilege::none; }))
     print_line(fmt::format("Privileged: {}.", agents::marks_explained()));
   std::string counts =
       fmt::format("{} of {} flights that both have are identical", comparison.identical, comparison.in_both);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "common/experiment/summary.hpp"
@@ -12,19 +13,8 @@ namespace {
 using Row = nlohmann::ordered_json;
 
 std::string_view action_name(agents::Action action) {
-  switch (action) {
-    case agents::Action::none:
-      return "none";
-    case agents::Action::down:
-      return "down";
-    case agents::Action::hold:
-      return "hold";
-    case agents::Action::up:
-      return "up";
-    case agents::Action::absolute:
-      return "absolute";
-  }
-  return "";
+  constexpr std::array names{"none", "down", "hold", "up", "absolute"};
+  return names.at(static_cast<std::size_t>(action));
 }
 
 /// Writes rows as they come: a CSV with a header line, or a JSON array with one object per line.

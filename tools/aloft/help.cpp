@@ -29,8 +29,8 @@ Found find_command(const CLI::App& app, const std::vector<std::string>& words) {
     }
     found.path += (found.path.empty() ? "" : " ") + found.command->get_name();
     if (next == nullptr)
-      throw InputError(fmt::format("'{}' has no command '{}'.{} 'aloft help' lists them", found.path, word,
-                                   did_you_mean(word, names)));
+      throw InputError("'{}' has no command '{}'.{} 'aloft help' lists them", found.path, word,
+                       did_you_mean(word, names));
     found.command = next;
   }
   return found;

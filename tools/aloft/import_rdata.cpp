@@ -23,19 +23,17 @@ void check_target(const ImportOptions& options) {
   const std::string out = options.out.string();
   const std::filesystem::path folder = std::filesystem::absolute(options.out).parent_path();
   if (!std::filesystem::is_directory(folder))
-    throw InputError(fmt::format("--out {}: there is no folder {}. Make it first.", out, folder.string()));
+    throw InputError("--out {}: there is no folder {}. Make it first.", out, folder.string());
   if (!std::filesystem::exists(options.out)) return;
-  if (std::filesystem::is_directory(options.out))
-    throw InputError(fmt::format("--out {}: this is a folder. Name a CSV file.", out));
+  if (std::filesystem::is_directory(options.out)) throw InputError("--out {}: this is a folder. Name a CSV file.", out);
   std::error_code error;
   if (std::filesystem::equivalent(options.out, options.file, error))
-    throw InputError(fmt::format("--out {}: this is the workspace itself. Name a CSV file.", out));
-  if (!options.force)
-    throw InputError(fmt::format("--out {}: this file is already there. Give --force to replace it.", out));
+    throw InputError("--out {}: this is the workspace itself. Name a CSV file.", out);
+  if (!options.force) throw InputError("--out {}: this file is already there. Give --force to replace it.", out);
 }
 
 void print_outcome(const ImportOptions& options, const importer::MeasurementGrid& grid) {
-  const auto recorded = std::count(grid.observed.begin(), grid.observed.end(), true);
+  const auto recorded = std::ranges::count(grid.observed, true);
   fmt::print(
       "{}: {} steps x {} heights, {} to {} m; {} of {} cells recorded (from {} triples), the others filled in and "
       "marked observed = 0\n",

@@ -142,7 +142,7 @@ class Run {
   [[nodiscard]] std::string memory_after(const experiment::FlightKey& key) {
     const std::scoped_lock lock(mutex_);
     std::optional<std::string> memory = results_.memory(key);
-    if (!memory) throw IntegrityError(fmt::format("what agent '{}' learnt in trial {} is lost", key.agent, key.trial));
+    if (!memory) throw IntegrityError("what agent '{}' learnt in trial {} is lost", key.agent, key.trial);
     return std::move(*memory);
   }
 
@@ -218,10 +218,10 @@ class Run {
 void check_flies_in_process(const experiment::Experiment& experiment) {
   const auto check = [](const agents::AgentSpec& spec) {
     if (agents::agent_type(spec.type).foreign)
-      throw InputError(fmt::format(
+      throw InputError(
           "--in-process: agent '{}' is a program of your own, which speaks over DDS; leave --in-process out "
           "and start your program, or name other agents with --agents",
-          spec.name));
+          spec.name);
   };
   for (const agents::AgentSpec& spec : experiment.agents) {
     check(spec);

@@ -8,7 +8,6 @@
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
 #include "common/experiment/trial_world.hpp"
-#include "common/world/measured_flight.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
 
@@ -32,7 +31,7 @@ const experiment::Condition& find_condition(const experiment::Experiment& experi
     if (condition.index < shown) known += fmt::format("\n  {}  {}", condition.index, condition.name);
   }
   if (experiment.conditions.size() > shown) known += fmt::format("\n  ... up to {}", experiment.conditions.size() - 1);
-  throw InputError(fmt::format("--condition {}: there is no such condition; use one of{}", excerpt(wanted), known));
+  throw InputError("--condition {}: there is no such condition; use one of{}", excerpt(wanted), known);
 }
 
 /// "STEP,HEIGHT" as given to --explain.
@@ -52,7 +51,7 @@ Place parse_place(const std::string& text) {
     place.height_m = std::stod(text.substr(comma + 1), &end);
     if (comma + 1 + end != text.size() || !std::isfinite(place.height_m)) throw std::invalid_argument(text);
   } catch (const std::logic_error&) {
-    throw InputError(fmt::format("--explain {}: not understood; use STEP,HEIGHT, e.g. 40,120", excerpt(text)));
+    throw InputError("--explain {}: not understood; use STEP,HEIGHT, e.g. 40,120", excerpt(text));
   }
   return place;
 }
@@ -64,8 +63,8 @@ int explain(const InspectOptions& options, const experiment::Experiment& experim
     throw InputError("--explain: a measured world has no radio model; every value is as it stands in the file");
   const auto map = experiment::make_signal_map(experiment, condition, options.trial);
   if (place.step > map->steps())
-    throw InputError(fmt::format("--explain {}: there is no step {}; use 0 (the start) to {}", options.explain,
-                                 place.step, map->steps()));
+    throw InputError("--explain {}: there is no step {}; use 0 (the start) to {}", options.explain, place.step,
+                     map->steps());
   const std::uint32_t point = place.step == 0 ? 0 : map->result_point(place.step);
   const radio::Explanation explanation =
       radio::explain(condition.world, experiment::make_city(experiment, condition, options.trial), experiment.seed,
@@ -87,8 +86,8 @@ int inspect_world(const InspectOptions& options) {
   const experiment::Experiment experiment = options.experiment.load();
   const experiment::Condition& condition = find_condition(experiment, options.condition);
   if (condition.kind == experiment::WorldKind::measured)
-    throw InputError(fmt::format("condition {}: a measured world has no city; 'aloft inspect table' shows its grid",
-                                 condition.name));
+    throw InputError("condition {}: a measured world has no city; 'aloft inspect table' shows its grid",
+                     condition.name);
   const world::City city = experiment::make_city(experiment, condition, options.trial);
   if (options.format == "csv")
     radio::write_world_csv(std::cout, condition.world, city);

@@ -27,7 +27,7 @@ std::vector<std::string> package_experiments() {
   std::error_code absent;
   for (const auto& entry : std::filesystem::directory_iterator(experiments_folder(), absent))
     if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -36,13 +36,13 @@ std::filesystem::path find_experiment(const std::filesystem::path& given) {
   if (std::filesystem::exists(given, ignored) && !std::filesystem::is_directory(given, ignored)) return given;
   const std::vector<std::string> names = package_experiments();
   const std::string name = given.string();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return file_of(name);
-  throw InputError(fmt::format("'{}' is {}, and no experiment of the package has this name.{} {}", name,
-                               std::filesystem::is_directory(given, ignored) ? "a folder" : "no file here",
-                               did_you_mean(name, names),
-                               names.empty() ? fmt::format("The package's experiments are missing: there is no {}",
-                                                           experiments_folder().lexically_normal().string())
-                                             : fmt::format("The package has: {}", fmt::join(names, ", "))));
+  if (std::ranges::find(names, name) != names.end()) return file_of(name);
+  throw InputError("'{}' is {}, and no experiment of the package has this name.{} {}", name,
+                   std::filesystem::is_directory(given, ignored) ? "a folder" : "no file here",
+                   did_you_mean(name, names),
+                   names.empty() ? fmt::format("The package's experiments are missing: there is no {}",
+                                               experiments_folder().lexically_normal().string())
+                                 : fmt::format("The package has: {}", fmt::join(names, ", ")));
 }
 
 }  // namespace aloft::cli

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/base/plain_text.hpp"
+#include "common/base/seconds.hpp"
 #include "services/status/run_view.hpp"
 #include "tools/aloft/status_line.hpp"
 
@@ -46,12 +47,12 @@ void Progress::tick() {
 }
 
 std::string Progress::text(Clock::time_point now) const {
-  const double elapsed_s = std::chrono::duration<double>(now - started_).count();
+  const double elapsed_s = seconds(now - started_);
   const std::uint64_t flown = done_ > already_done_ ? done_ - already_done_ : 0;
   const double rate = elapsed_s > 0 ? static_cast<double>(flown) / elapsed_s : 0.0;
   std::string pace = fmt::format("{:.1f} flights/s", rate);
   if (const auto blocked = pace_.blocked_for(now); blocked && done_ < total_)
-    pace = "nothing stored for " + status::clock_text(std::chrono::duration<double>(*blocked).count());
+    pace = "nothing stored for " + status::clock_text(seconds(*blocked));
   else if (flown > 0)
     pace += "  ETA " + status::clock_text(static_cast<double>(total_ - std::min(done_, total_)) / rate);
   return fmt::format("{}/{} flights  {}  {}{}{}", done_, total_, pace, workers_, message_.empty() ? "" : "  ",

@@ -56,9 +56,8 @@ std::map<std::string, std::string> measured_files(const std::vector<std::string>
   for (const std::string& entry : data) {
     const std::size_t equals = entry.find('=');
     const std::string flight = entry.substr(0, equals);
-    if (equals == std::string::npos || std::find(known.begin(), known.end(), flight) == known.end())
-      throw InputError(
-          fmt::format("--data {}: not understood; use gcq=FILE or nwq=FILE.{}", entry, did_you_mean(flight, known)));
+    if (equals == std::string::npos || std::ranges::find(known, flight) == known.end())
+      throw InputError("--data {}: not understood; use gcq=FILE or nwq=FILE.{}", entry, did_you_mean(flight, known));
     files[flight] = entry.substr(equals + 1);
   }
   return files;

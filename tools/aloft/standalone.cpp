@@ -83,8 +83,7 @@ std::string resolved_or_stored(const StandaloneOptions& options) {
   if (!options.experiment.file.empty()) return resolved(options.experiment);
   const std::filesystem::path stored = options.out / "experiment.json";
   if (!std::filesystem::exists(stored))
-    throw InputError(
-        fmt::format("--out {}: holds no experiment.json; name the experiment file too", options.out.string()));
+    throw InputError("--out {}: holds no experiment.json; name the experiment file too", options.out.string());
   return stored.string();
 }
 

@@ -44,10 +44,11 @@ class RunObserver {
 
   void listen() {
     const auto now = Clock::now();
-    controls_.drain([&](const wire::RunControl& control) { view_.on_control(control); });
-    runs_.drain([&](const wire::RunStatus& status) { view_.on_run(status, now); });
-    workers_.drain([&](const wire::WorkerStatus& status) { view_.on_worker(status, now); });
-    collectors_.drain([&](const wire::CollectorStatus& status) { view_.on_collector(status); });
+    const auto hear = [&](const auto& message) { view_.hear(message, now); };
+    controls_.drain(hear);
+    runs_.drain(hear);
+    workers_.drain(hear);
+    collectors_.drain(hear);
     view_.forget_old(now);
   }
   [[nodiscard]] const status::RunView& view() const noexcept { return view_; }
@@ -76,7 +77,7 @@ class Observer {
 
   /// All runs found so far have published everything that is shown.
   [[nodiscard]] bool complete() const {
-    return std::all_of(runs_.begin(), runs_.end(), [](const auto& run) { return run.second.view().complete(); });
+    return std::ranges::all_of(runs_, [](const auto& run) { return run.second.view().complete(); });
   }
 
   [[nodiscard]] Json to_json() const {

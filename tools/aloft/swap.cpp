@@ -74,12 +74,11 @@ class Swap {
       return;
     const std::vector<std::string> names(seen_.begin(), seen_.end());
     if (names.empty())
-      throw InputError(
-          fmt::format("nobody flies in run '{}' on domain {}; name a run with: aloft run ... --run {} --domain {}",
-                      options_.place.run, options_.place.domain, options_.place.run, options_.place.domain));
+      throw InputError("nobody flies in run '{}' on domain {}; name a run with: aloft run ... --run {} --domain {}",
+                       options_.place.run, options_.place.domain, options_.place.run, options_.place.domain);
     if (!seen_.contains(worker))
-      throw InputError(fmt::format("run '{}' has no worker '{}'.{} Its workers: {}", options_.place.run, worker,
-                                   did_you_mean(worker, names), fmt::join(names, ", ")));
+      throw InputError("run '{}' has no worker '{}'.{} Its workers: {}", options_.place.run, worker,
+                       did_you_mean(worker, names), fmt::join(names, ", "));
     throw std::runtime_error(
         fmt::format("the channel of worker '{}' was not reached within {} s; see its log", worker, find_limit.count()));
   }
@@ -106,7 +105,7 @@ class Swap {
 
   int tell() {
     if (!reply_.accepted())
-      throw InputError(fmt::format("worker '{}': {}", options_.place.worker, plain_text(wire::view(reply_.message()))));
+      throw InputError("worker '{}': {}", options_.place.worker, plain_text(wire::view(reply_.message())));
     const std::uint32_t flights = reply_.flights_waiting() + reply_.flights_flown();
     if (flights == 0)
       fmt::print("worker {} has no such flight in the air; {} flies those that start later{}\n", options_.place.worker,

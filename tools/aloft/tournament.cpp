@@ -114,8 +114,7 @@ void measure_step_costs(const experiment::Experiment& experiment, report::StepCo
 void save_picture(const TournamentOptions& options, const std::string& experiment) {
   const std::filesystem::path chart = options.out / "charts" / (experiment + "-gains.svg");
   if (!std::filesystem::exists(chart))
-    throw InputError(
-        fmt::format("--picture: '{}' has fewer than two generated conditions, so there is no such chart", experiment));
+    throw InputError("--picture: '{}' has fewer than two generated conditions, so there is no such chart", experiment);
   write_file(options.picture, read_file(chart));
 }
 

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "common/agents/pretrained_model.hpp"
 #include "common/base/cores.hpp"
@@ -91,9 +90,9 @@ std::vector<float> train_side(const TrainOptions& options, std::size_t side, con
       trainer.restore_state(read_file(checkpoint, largest_checkpoint_bytes));
     } catch (const IntegrityError& error) {
       throw InputError(
-          fmt::format("{}: cannot go on from this checkpoint: {}. It may be of another configuration: delete it to "
-                      "train from the start, or use another --out",
-                      checkpoint.string(), error.what()));
+          "{}: cannot go on from this checkpoint: {}. It may be of another configuration: delete it to "
+          "train from the start, or use another --out",
+          checkpoint.string(), error.what());
     }
     StatusLine::of_process().print(fmt::format("{}: goes on from {}", key_of(kinds.at(side)), checkpoint.string()));
     desk.validated(side, trainer.validation_log());
@@ -110,7 +109,7 @@ std::vector<float> train_side(const TrainOptions& options, std::size_t side, con
 int train_pretrained(const TrainOptions& options) {
   const train::Config config = train::read_config(options.config);
   if (!options.out.parent_path().empty() && !std::filesystem::is_directory(options.out.parent_path()))
-    throw InputError(fmt::format("{}: its folder does not exist; create it first", options.out.string()));
+    throw InputError("{}: its folder does not exist; create it first", options.out.string());
   const std::atomic<bool>& interrupted = note_interrupts();
   Desk desk(options.out.string() + ".log");
   agents::PretrainedModel model;

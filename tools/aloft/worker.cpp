@@ -15,6 +15,7 @@
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
 #include "common/base/process_name.hpp"
+#include "common/base/seconds.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
@@ -49,8 +50,8 @@ struct WorkerOptions {
 /// Differs between hosts, and between workers of one host.
 std::string unique_name() {
   std::string name = this_process().host.substr(0, 48);
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');
   return fmt::format("{}-{}", name, getpid());
 }
 
@@ -104,7 +105,7 @@ class Membership {
     if (follower_.update()) check_agents(*follower_.experiment());
     hear_statuses();
     const auto silence = Clock::now() - heard_;
-    const double silence_s = std::chrono::duration<double>(silence).count();
+    const double silence_s = seconds(silence);
     const std::string missing = fmt::format("no coordinator of run '{}' for {:.0f} s, since {:%Y-%m-%d %H:%M:%S}",
                                             options_.bus.run, silence_s, fmt::localtime(seen_at_));
     if (silence > patience && !told_missing_) {
@@ -137,10 +138,9 @@ class Membership {
     known.reserve(experiment.agents.size());
     for (const agents::AgentSpec& spec : experiment.agents) known.push_back(spec.name);
     for (const std::string& agent : options_.agents)
-      if (std::find(known.begin(), known.end(), agent) == known.end())
-        throw InputError(fmt::format("--agents {}: the experiment '{}' of run {} has no such agent; it has: {}.{}",
-                                     agent, experiment.name, options_.bus.run, fmt::join(known, ", "),
-                                     did_you_mean(agent, known)));
+      if (std::ranges::find(known, agent) == known.end())
+        throw InputError("--agents {}: the experiment '{}' of run {} has no such agent; it has: {}.{}", agent,
+                         experiment.name, options_.bus.run, fmt::join(known, ", "), did_you_mean(agent, known));
   }
 
   /// Two workers of one name would answer each other's questions.
@@ -151,9 +151,8 @@ class Membership {
       listen();
       workers.drain([this](const wire::WorkerStatus& status) {
         if (status.worker() == options_.name && status.capacity() > 0)
-          throw InputError(fmt::format("--name {}: run {} has a worker of that name already, on host {} (process {})",
-                                       options_.name, options_.bus.run, plain_text(wire::view(status.host())),
-                                       status.pid()));
+          throw InputError("--name {}: run {} has a worker of that name already, on host {} (process {})",
+                           options_.name, options_.bus.run, plain_text(wire::view(status.host())), status.pid());
       });
     }
   }

@@ -140,9 +140,9 @@ Comparison compare(const Side& a, const Side& b) {
   }
   if (comparison.agents.empty())
     throw InputError(
-        fmt::format("the two result folders share no flights to compare. First: {} ({} flights). Second: {} "
-                    "({} flights). Conditions and agents are matched by name; run both with the same ones.",
-                    names(a.experiment), a.flights.size(), names(b.experiment), b.flights.size()));
+        "the two result folders share no flights to compare. First: {} ({} flights). Second: {} "
+        "({} flights). Conditions and agents are matched by name; run both with the same ones.",
+        names(a.experiment), a.flights.size(), names(b.experiment), b.flights.size());
   comparison.only_a = a.flights.size() - comparison.in_both;
   comparison.only_b = b.flights.size() - comparison.in_both;
   return comparison;

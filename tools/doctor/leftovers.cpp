@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
+
+#include "common/base/descriptor.hpp"
 
 namespace aloft::doctor {
 namespace {
@@ -31,23 +33,11 @@ std::string owner_of(std::string name) {
   return name.starts_with("fastrtps_") ? name : "";
 }
 
-/// Holds the lock of a segment as long as this object lives, unless another process has it.
-class Lock {
- public:
-  explicit Lock(const fs::path& file) : fd_(open(file.c_str(), O_RDWR | O_CLOEXEC)) {
-    held_ = fd_ >= 0 && flock(fd_, LOCK_EX | LOCK_NB) == 0;
-  }
-  ~Lock() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Lock(const Lock&) = delete;
-  Lock& operator=(const Lock&) = delete;
-  [[nodiscard]] bool held() const noexcept { return held_; }
-
- private:
-  int fd_;
-  bool held_ = false;
-};
+/// Holds the lock of a segment until it is closed; not open if another process has the lock.
+Descriptor locked(const fs::path& file) {
+  Descriptor lock(open(file.c_str(), O_RDWR | O_CLOEXEC));
+  return lock.is_open() && flock(lock.get(), LOCK_EX | LOCK_NB) == 0 ? std::move(lock) : Descriptor();
+}
 
 std::set<std::string> mapped_files() {
   std::set<std::string> files;
@@ -66,8 +56,8 @@ bool mine(const fs::path& file) {
 }
 
 const fs::path* lock_of(const Leftover& leftover) {
-  const auto at = std::find_if(leftover.files.begin(), leftover.files.end(),
-                               [](const fs::path& file) { return file.string().ends_with(lock_suffix); });
+  const auto at =
+      std::ranges::find_if(leftover.files, [](const fs::path& file) { return file.string().ends_with(lock_suffix); });
   return at == leftover.files.end() ? nullptr : &*at;
 }
 
@@ -87,11 +77,11 @@ std::vector<Leftover> find_leftovers(const fs::path& dir) {
   const std::set<std::string> mapped = mapped_files();
   for (auto& [owner, leftover] : groups) {
     const fs::path* lock_file = lock_of(leftover);
-    const bool ours = std::all_of(leftover.files.begin(), leftover.files.end(), mine);
-    const bool used = std::any_of(leftover.files.begin(), leftover.files.end(),
-                                  [&](const fs::path& file) { return mapped.contains(file.string()); });
-    if (lock_file == nullptr || !ours || used || !Lock(*lock_file).held()) continue;
-    std::sort(leftover.files.begin(), leftover.files.end());
+    const bool ours = std::ranges::all_of(leftover.files, mine);
+    const bool used =
+        std::ranges::any_of(leftover.files, [&](const fs::path& file) { return mapped.contains(file.string()); });
+    if (lock_file == nullptr || !ours || used || !locked(*lock_file).is_open()) continue;
+    std::ranges::sort(leftover.files);
     dead.push_back(std::move(leftover));
   }
   return dead;
@@ -100,8 +90,8 @@ std::vector<Leftover> find_leftovers(const fs::path& dir) {
 std::size_t remove_leftovers(const std::vector<Leftover>& leftovers) {
   std::size_t removed = 0;
   for (const Leftover& leftover : leftovers) {
-    const Lock lock(*lock_of(leftover));
-    if (!lock.held()) continue;
+    const Descriptor lock = locked(*lock_of(leftover));
+    if (!lock.is_open()) continue;
     std::error_code error;
     for (const fs::path& file : leftover.files) fs::remove(file, error);
     removed += error ? 0U : 1U;

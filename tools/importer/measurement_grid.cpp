@@ -59,7 +59,7 @@ class Rebuild {
     std::size_t index = 0;
   };
 
-  [[noreturn]] void refuse(const std::string& reason) const { throw InputError(fmt::format("{}: {}", where_, reason)); }
+  [[noreturn]] void refuse(const std::string& reason) const { throw InputError("{}: {}", where_, reason); }
 
   const std::vector<double>& vector(std::string_view name) const { return vectors_.find(name)->second; }
 
@@ -109,8 +109,9 @@ class Rebuild {
 
   bool fits(std::size_t steps) const {
     return steps > 0 && vector(step_maximum).size() % (steps + 1) == 0 &&
-           std::all_of(recordings.begin(), recordings.end(),
-                       [&](const Recording& recording) { return vector(recording.throughput).size() % steps == 0; });
+           std::ranges::all_of(recordings, [&](const Recording& recording) {
+             return vector(recording.throughput).size() % steps == 0;
+           });
   }
 
   std::string lengths() const {
@@ -150,7 +151,7 @@ class Rebuild {
   std::uint32_t highest_level() const {
     double highest = 0;
     for (const Recording& recording : recordings)
-      highest = std::max(highest, *std::max_element(vector(recording.level).begin(), vector(recording.level).end()));
+      highest = std::max(highest, *std::ranges::max_element(vector(recording.level)));
     return static_cast<std::uint32_t>(highest);
   }
 
@@ -221,9 +222,9 @@ class Rebuild {
 
 MeasurementGrid rebuild_grid(const NumericVectors& vectors, const GridOptions& options, std::string_view where) {
   if (!(options.height_step_m > 0 && options.height_step_m <= 1000))
-    throw InputError(fmt::format("--height-step is {}; allowed: above 0, up to 1000 m.", options.height_step_m));
+    throw InputError("--height-step is {}; allowed: above 0, up to 1000 m.", options.height_step_m);
   if (!(options.height_min_m >= 0 && options.height_min_m <= 10000))
-    throw InputError(fmt::format("--height-min is {}; allowed: 0 to 10000 m.", options.height_min_m));
+    throw InputError("--height-min is {}; allowed: 0 to 10000 m.", options.height_min_m);
   return Rebuild(vectors, options, where).run();
 }
 

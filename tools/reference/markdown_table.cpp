@@ -44,7 +44,7 @@ std::string parameter_table(std::span<const ParameterSpec> table, std::span<cons
   const nlohmann::json properties = schema_properties(table);
   std::string text = "| key | default | allowed | meaning |\n|---|---|---|---|\n";
   for (const ParameterSpec& spec : table) {
-    const bool must_be_given = std::find(required.begin(), required.end(), spec.name) != required.end();
+    const bool must_be_given = std::ranges::find(required, spec.name) != required.end();
     text +=
         fmt::format("| `{}` | {} | {} | {} |\n", spec.name, must_be_given ? "required" : default_of(spec, properties),
                     cell(allowed(spec)), cell(spec.description));

@@ -27,7 +27,7 @@ std::string structure_table() {
   std::string text = "| key | meaning |\n|---|---|\n";
   for (const auto& [key, property] : properties.items()) {
     const auto is_it = [&key = key](const ParameterSpec& spec) { return spec.name == key; };
-    if (std::none_of(settings.begin(), settings.end(), is_it))
+    if (std::ranges::none_of(settings, is_it))
       text += fmt::format("| `{}` | {} |\n", key, cell(property.at("description").get<std::string>()));
   }
   return text;

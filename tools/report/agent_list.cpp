@@ -21,9 +21,9 @@ std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> condi
   std::vector<const AgentTrials*> agents;
   for (const ConditionTrials& condition : conditions)
     for (const AgentTrials& agent : condition.agents)
-      if (std::none_of(agents.begin(), agents.end(), [&](const auto* other) { return other->name == agent.name; }))
+      if (std::ranges::none_of(agents, [&](const auto* other) { return other->name == agent.name; }))
         agents.push_back(&agent);
-  std::stable_sort(agents.begin(), agents.end(), [](const auto* a, const auto* b) { return shown_before(*a, *b); });
+  std::ranges::stable_sort(agents, [](const auto* a, const auto* b) { return shown_before(*a, *b); });
   return agents;
 }
 

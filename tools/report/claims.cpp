@@ -251,10 +251,10 @@ std::vector<std::string> missing(const nlohmann::json& claim, Conditions conditi
   for (const nlohmann::json& world : published().at("generated_worlds")) {
     const nlohmann::json& sweeps_of_world = world.at("sweeps");
     if (const nlohmann::json& sweep = claim.at("sweep");
-        !sweep.is_null() && std::find(sweeps_of_world.begin(), sweeps_of_world.end(), sweep) == sweeps_of_world.end())
+        !sweep.is_null() && std::ranges::find(sweeps_of_world, sweep) == sweeps_of_world.end())
       continue;
-    const auto flown = std::find_if(conditions.begin(), conditions.end(),
-                                    [&](const ConditionTrials& condition) { return belongs_to(world, condition); });
+    const auto flown = std::ranges::find_if(
+        conditions, [&](const ConditionTrials& condition) { return belongs_to(world, condition); });
     std::vector<std::string> agents;
     for (const nlohmann::json& agent : claim.at("agents"))
       if (flown == conditions.end() || flown->agent(agent.get<std::string>()) == nullptr) agents.push_back(agent);
@@ -278,12 +278,11 @@ std::string why_not_applicable(const char* needs, const std::vector<std::string>
 }
 
 std::string reason(const Comparisons& comparisons, const std::vector<std::string>& missing) {
-  const auto for_it = std::count_if(comparisons.begin(), comparisons.end(), inside);
-  const auto against = std::count_if(comparisons.begin(), comparisons.end(), outside);
+  const auto for_it = std::ranges::count_if(comparisons, inside);
+  const auto against = std::ranges::count_if(comparisons, outside);
   std::string text = fmt::format("{} of {} intervals lie where the claim says, {} wholly elsewhere.", for_it,
                                  comparisons.size(), against);
-  if (against > 0)
-    text += " Against it, first: " + line(*std::find_if(comparisons.begin(), comparisons.end(), outside)) + ".";
+  if (against > 0) text += " Against it, first: " + line(*std::ranges::find_if(comparisons, outside)) + ".";
   if (!missing.empty())
     text += fmt::format(" The claim also speaks of what has not flown here, base stations / buildings per km²: {}.",
                         fmt::join(missing, "; "));
@@ -315,8 +314,8 @@ const char* verdict_name(Verdict verdict) {
 
 Verdict judge(std::span<const Comparison> comparisons) {
   if (comparisons.empty()) return Verdict::not_applicable;
-  if (std::any_of(comparisons.begin(), comparisons.end(), outside)) return Verdict::contradicted;
-  return std::all_of(comparisons.begin(), comparisons.end(), inside) ? Verdict::supported : Verdict::undecided;
+  if (std::ranges::any_of(comparisons, outside)) return Verdict::contradicted;
+  return std::ranges::all_of(comparisons, inside) ? Verdict::supported : Verdict::undecided;
 }
 
 std::vector<Claim> judge_claims(std::span<const ConditionTrials> conditions, const nlohmann::json& published_claims) {
@@ -324,8 +323,7 @@ std::vector<Claim> judge_claims(std::span<const ConditionTrials> conditions, con
   std::vector<Claim> claims;
   for (const nlohmann::json& claim : published_claims) {
     const auto id = claim.at("id").get<std::string>();
-    const auto reading =
-        std::find_if(readings().begin(), readings().end(), [&](const Reading& r) { return r.id == id; });
+    const auto reading = std::ranges::find_if(readings(), [&](const Reading& r) { return r.id == id; });
     if (reading == readings().end()) throw std::logic_error(fmt::format("no reading of the published claim '{}'", id));
     claims.push_back(judged(claim, *reading, share));
   }

@@ -32,26 +32,24 @@ std::vector<Flown> read_flights(const store::ResultStore& results, std::uint32_t
   const auto rank = [&](const Flown& one) {
     return agents::agent_type(results.experiment().agent(one.agent).type).rank_of(one.agent);
   };
-  std::stable_sort(flown.begin(), flown.end(), [&](const Flown& a, const Flown& b) { return rank(a) < rank(b); });
+  std::ranges::stable_sort(flown, [&](const Flown& a, const Flown& b) { return rank(a) < rank(b); });
   return flown;
 }
 
 json learning_curves(const flight::FlightRecord& record) {
-  const bool learns = std::any_of(record.steps.begin(), record.steps.end(),
-                                  [](const auto& step) { return step.introspection.has_value(); });
+  const bool learns =
+      std::ranges::any_of(record.steps, [](const auto& step) { return step.introspection.has_value(); });
   if (!learns) return nullptr;
-  json curves{{"epsilon", json::array()},
-              {"loss", json::array()},
-              {"q_down", json::array()},
-              {"q_hold", json::array()},
-              {"q_up", json::array()}};
+  json curves;
   for (const flight::StepRecord& step : record.steps) {
-    const auto value = [&](auto part) { return step.introspection ? significant(part(*step.introspection)) : json(); };
-    curves["epsilon"].push_back(value([](const agents::Introspection& i) { return i.epsilon; }));
-    curves["loss"].push_back(value([](const agents::Introspection& i) { return i.loss; }));
-    curves["q_down"].push_back(value([](const agents::Introspection& i) { return i.q_values[0]; }));
-    curves["q_hold"].push_back(value([](const agents::Introspection& i) { return i.q_values[1]; }));
-    curves["q_up"].push_back(value([](const agents::Introspection& i) { return i.q_values[2]; }));
+    const auto add = [&](const char* curve, auto part) {
+      curves[curve].push_back(step.introspection ? significant(part(*step.introspection)) : json());
+    };
+    add("epsilon", [](const agents::Introspection& i) { return i.epsilon; });
+    add("loss", [](const agents::Introspection& i) { return i.loss; });
+    add("q_down", [](const agents::Introspection& i) { return i.q_values[0]; });
+    add("q_hold", [](const agents::Introspection& i) { return i.q_values[1]; });
+    add("q_up", [](const agents::Introspection& i) { return i.q_values[2]; });
   }
   return curves;
 }
@@ -119,8 +117,7 @@ std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, st
   for (const experiment::FlightKey& key : results.keys())
     if (key.condition == condition) ++agents[key.trial];
   if (wanted) return agents.contains(*wanted) ? wanted : std::nullopt;
-  const auto best =
-      std::max_element(agents.begin(), agents.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto best = std::ranges::max_element(agents, [](const auto& a, const auto& b) { return a.second < b.second; });
   return best == agents.end() ? std::nullopt : std::optional(best->first);
 }
 

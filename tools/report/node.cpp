@@ -15,6 +15,7 @@
 #include <string>
 
 #include "common/base/error.hpp"
+#include "common/base/read_file.hpp"
 #include "tools/report/embedded.hpp"
 
 namespace aloft::report {
@@ -28,8 +29,8 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "aloft-report-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr)
-      throw InputError(fmt::format("{}: no folder can be made there; set TMPDIR to a writable folder",
-                                   fs::temp_directory_path().string()));
+      throw InputError("{}: no folder can be made there; set TMPDIR to a writable folder",
+                       fs::temp_directory_path().string());
     path_ = name;
   }
   ~TemporaryFolder() {
@@ -43,12 +44,6 @@ class TemporaryFolder {
  private:
   fs::path path_;
 };
-
-std::string read_text(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// Runs node with its output in files; returns the exit code, or -1 if a signal ended it.
 int run_node(const std::string& script, const std::string& page, const std::string& folder, const std::string& out,
@@ -78,16 +73,15 @@ void require_node(std::string_view what) {
   for (std::string folder; std::getline(folders, folder, ':');)
     if (access((fs::path(folder) / "node").c_str(), X_OK) == 0) return;
   throw InputError(
-      fmt::format("{}: needs the program 'node', which is not on the PATH; install the package nodejs, or save single "
-                  "charts as SVG from the page",
-                  what));
+      "{}: needs the program 'node', which is not on the PATH; install the package nodejs, or save single "
+      "charts as SVG from the page",
+      what);
 }
 
 std::size_t render_svgs(const std::filesystem::path& page, const std::filesystem::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error)
-    throw InputError(fmt::format("{}: cannot be made for the SVG files: {}", folder.string(), error.message()));
+  if (error) throw InputError("{}: cannot be made for the SVG files: {}", folder.string(), error.message());
   const TemporaryFolder scratch;
   const fs::path script = scratch.path() / "render_svg.cjs";
   const fs::path out = scratch.path() / "out";
@@ -96,8 +90,8 @@ std::size_t render_svgs(const std::filesystem::path& page, const std::filesystem
   const int code = run_node(script, page, folder, out, err);
   if (code != 0)
     throw std::runtime_error(
-        fmt::format("node could not draw the charts of {} (exit code {}): {}", page.string(), code, read_text(err)));
-  return std::stoul(read_text(out));
+        fmt::format("node could not draw the charts of {} (exit code {}): {}", page.string(), code, read_file(err)));
+  return std::stoul(read_file(out));
 }
 
 }  // namespace aloft::report

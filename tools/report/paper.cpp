@@ -36,7 +36,7 @@ std::string why_not_generated(const ConditionTrials& condition) {
   if (const std::string other = differences_of_world(condition.world_parameters); !other.empty())
     return "not the paper's world: " + other;
   const json& worlds = published().at("generated_worlds");
-  if (std::none_of(worlds.begin(), worlds.end(), [&](const json& world) { return belongs_to(world, condition); }))
+  if (std::ranges::none_of(worlds, [&](const json& world) { return belongs_to(world, condition); }))
     return fmt::format("the paper has no world with {:g} base stations and {:g} buildings per km²",
                        condition.bs_density_per_km2, condition.building_density_per_km2);
   return "";
@@ -88,8 +88,8 @@ std::string counted(std::size_t trials) {
 /// The agents of `more` that `known` lacks or has fewer trials of.
 void merge(ConditionTrials& known, const ConditionTrials& more) {
   for (const AgentTrials& agent : more.agents) {
-    const auto same_name = std::find_if(known.agents.begin(), known.agents.end(),
-                                        [&](const AgentTrials& other) { return other.name == agent.name; });
+    const auto same_name =
+        std::ranges::find_if(known.agents, [&](const AgentTrials& other) { return other.name == agent.name; });
     if (same_name == known.agents.end())
       known.agents.push_back(agent);
     else if (same_name->trials.size() < agent.trials.size())
@@ -155,8 +155,8 @@ PapersShare papers_share(std::span<const ConditionTrials> conditions) {
       papers.agents.push_back(*agent.trials);
       papers.agents.back().name = name;
     }
-    const auto known = std::find_if(share.conditions.begin(), share.conditions.end(),
-                                    [&](const ConditionTrials& other) { return other.world() == papers.world(); });
+    const auto known = std::ranges::find_if(
+        share.conditions, [&](const ConditionTrials& other) { return other.world() == papers.world(); });
     if (known == share.conditions.end())
       share.conditions.push_back(std::move(papers));
     else

@@ -20,7 +20,7 @@ double median_at(const std::vector<double>& values, std::span<const std::uint32_
                  std::vector<double>& scratch) {
   scratch.clear();
   for (const std::uint32_t i : indices) scratch.push_back(values[i]);
-  std::sort(scratch.begin(), scratch.end());
+  std::ranges::sort(scratch);
   return median_of_sorted(scratch);
 }
 
@@ -30,7 +30,7 @@ std::vector<std::vector<double>> common_trials(const std::vector<const AgentTria
   for (const std::uint32_t trial : agents.front()->trials) {
     std::vector<double> row;
     for (const AgentTrials* agent : agents) {
-      const auto found = std::lower_bound(agent->trials.begin(), agent->trials.end(), trial);
+      const auto found = std::ranges::lower_bound(agent->trials, trial);
       if (found != agent->trials.end() && *found == trial)
         row.push_back(agent->qos[static_cast<std::size_t>(found - agent->trials.begin())]);
     }

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <span>
 
 #include "common/experiment/statistics.hpp"
 #include "tools/report/trials.hpp"

@@ -1,7 +1,5 @@
 #include "tools/report/report.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -20,19 +18,18 @@ constexpr std::string_view data_mark = "%DATA%";
 /// Returns `dir` itself if it is a result folder, else the result folders in it, by name.
 std::vector<fs::path> result_folders(const fs::path& dir) {
   if (!fs::is_directory(dir))
-    throw InputError(
-        fmt::format("{}: there is no such folder; give the result folder of an 'aloft run'", dir.string()));
+    throw InputError("{}: there is no such folder; give the result folder of an 'aloft run'", dir.string());
   const auto has_results = [](const fs::path& folder) { return fs::exists(folder / "results.sqlite"); };
   if (has_results(dir)) return {dir};
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(dir))
     if (entry.is_directory() && has_results(entry.path())) folders.push_back(entry.path());
-  std::sort(folders.begin(), folders.end());
+  std::ranges::sort(folders);
   if (folders.empty())
     throw InputError(
-        fmt::format("{}: neither this folder nor one inside it holds a results.sqlite; 'aloft run EXPERIMENT.json "
-                    "--out {}' makes one",
-                    dir.string(), dir.string()));
+        "{}: neither this folder nor one inside it holds a results.sqlite; 'aloft run EXPERIMENT.json "
+        "--out {}' makes one",
+        dir.string(), dir.string());
   return folders;
 }
 
@@ -40,8 +37,8 @@ void write_page(const fs::path& file, const std::string& text) {
   try {
     write_file(file, text);
   } catch (const InputError&) {
-    throw InputError(fmt::format(
-        "{}: cannot be written; check that the folder exists, is writable and has room, or use --out", file.string()));
+    throw InputError("{}: cannot be written; check that the folder exists, is writable and has room, or use --out",
+                     file.string());
   }
 }
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "common/base/build_info.hpp"
 #include "common/base/digest.hpp"
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
+#include "common/base/number_text.hpp"
 #include "tools/report/agent_list.hpp"
 #include "tools/report/claims.hpp"
 #include "tools/report/flight_view.hpp"
@@ -171,33 +171,30 @@ json claims_of(const std::vector<ReportCondition>& conditions, bool only_selecte
 }
 
 std::size_t find_condition(const std::vector<ReportCondition>& conditions, const std::string& wanted) {
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-  if (error == std::errc() && end == wanted.data() + wanted.size() && number < conditions.size()) return number;
+  if (const auto number = number_in<std::size_t>(wanted); number && *number < conditions.size()) return *number;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < conditions.size(); ++i) {
     if (conditions[i].all.name == wanted) return i;
     names.push_back(conditions[i].all.name);
   }
-  throw InputError(fmt::format("--condition: there is no condition '{}'.{} Allowed: 0 to {}, or one of: {}", wanted,
-                               did_you_mean(wanted, names), conditions.size() - 1, fmt::join(names, ", ")));
+  throw InputError("--condition: there is no condition '{}'.{} Allowed: 0 to {}, or one of: {}", wanted,
+                   did_you_mean(wanted, names), conditions.size() - 1, fmt::join(names, ", "));
 }
 
 std::size_t condition_to_show(const json& conditions, const std::vector<ReportCondition>& known, const Choice& choice) {
   if (!choice.condition.empty()) {
     const std::size_t index = find_condition(known, choice.condition);
     if (choice.trial && conditions[index]["flight"].is_null())
-      throw InputError(
-          fmt::format("--trial: no flight of trial {} is stored for condition {}; trials of this experiment: 0 to {}",
-                      *choice.trial, known[index].all.name, known[index].all.trials_expected - 1));
+      throw InputError("--trial: no flight of trial {} is stored for condition {}; trials of this experiment: 0 to {}",
+                       *choice.trial, known[index].all.name, known[index].all.trials_expected - 1);
     return index;
   }
   for (std::size_t i = 0; i < conditions.size(); ++i)
     if (!conditions[i]["flight"].is_null()) return i;
   if (choice.trial)
-    throw InputError(fmt::format(
+    throw InputError(
         "--trial: no flight of trial {} is stored in any condition; leave it out to see the first one that is",
-        *choice.trial));
+        *choice.trial);
   return 0;
 }
 

@@ -38,13 +38,13 @@ experiment::Interval resampled_ci95(std::size_t size, std::uint64_t seed,
 experiment::Interval resampled_ci95(std::span<const double> sample, std::uint64_t seed,
                                     const std::function<double(std::span<const double>)>& statistic) {
   std::vector<double> sorted(sample.begin(), sample.end());
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   if (sorted.empty() || sorted.front() == sorted.back()) return unknown();
   std::vector<std::uint32_t> counts(sorted.size());
   std::vector<double> resampled(sorted.size());
   // Counting how often each value was drawn keeps a resample in order without sorting it.
   return resampled_ci95(sorted.size(), seed, [&](std::span<const std::uint32_t> indices) {
-    std::fill(counts.begin(), counts.end(), 0U);
+    std::ranges::fill(counts, 0U);
     for (const std::uint32_t index : indices) ++counts[index];
     auto next = resampled.begin();
     for (std::size_t i = 0; i < sorted.size(); ++i) next = std::fill_n(next, counts[i], sorted[i]);

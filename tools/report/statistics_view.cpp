@@ -90,7 +90,7 @@ std::vector<double> profile_thresholds(const ConditionTrials& condition) {
 json performance_profile(const std::vector<double>& sample, const std::vector<double>& thresholds) {
   json profile = json::array();
   for (const double threshold : thresholds) {
-    const auto above = std::count_if(sample.begin(), sample.end(), [&](double value) { return value > threshold; });
+    const auto above = std::ranges::count_if(sample, [&](double value) { return value > threshold; });
     profile.push_back(rounded(static_cast<double>(above) / static_cast<double>(sample.size())));
   }
   return profile;

@@ -38,8 +38,8 @@ struct Column {
 std::vector<Column> columns_of(std::span<const ConditionTrials> conditions) {
   std::vector<Column> columns;
   for (const ConditionTrials& condition : conditions) {
-    auto column = std::find_if(columns.begin(), columns.end(),
-                               [&](const Column& other) { return other.condition->world() == condition.world(); });
+    auto column = std::ranges::find_if(
+        columns, [&](const Column& other) { return other.condition->world() == condition.world(); });
     if (column == columns.end()) column = columns.insert(column, Column{&condition, {}});
     column->views.push_back(statistics_view(condition));
   }

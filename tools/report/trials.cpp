@@ -6,7 +6,8 @@
 #include <cctype>
 #include <filesystem>
 #include <limits>
-#include <map>
+
+#include "common/experiment/statistics.hpp"
 
 namespace aloft::report {
 namespace {
@@ -54,7 +55,7 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
   trials.label = label_of(condition, trials.measured_file);
   for (const agents::AgentSpec& spec : experiment.agents)
     trials.agents.push_back({spec.name, spec.type, spec.privilege(), spec.parameters.to_json()});
-  std::stable_sort(trials.agents.begin(), trials.agents.end(), shown_before);
+  std::ranges::stable_sort(trials.agents, shown_before);
   return trials;
 }
 
@@ -77,8 +78,7 @@ std::string ConditionTrials::world() const {
 }
 
 const AgentTrials* ConditionTrials::agent(std::string_view agent_name) const {
-  const auto found =
-      std::find_if(agents.begin(), agents.end(), [&](const AgentTrials& a) { return a.name == agent_name; });
+  const auto found = std::ranges::find_if(agents, [&](const AgentTrials& a) { return a.name == agent_name; });
   return found == agents.end() || found->trials.empty() ? nullptr : &*found;
 }
 
@@ -132,17 +132,7 @@ std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> pairs(const AgentTrials& a, const AgentTrials& b) {
-  std::vector<std::pair<std::size_t, std::size_t>> result;
-  for (std::size_t i = 0, k = 0; i < a.trials.size() && k < b.trials.size();) {
-    if (a.trials[i] == b.trials[k]) {
-      result.emplace_back(i++, k++);
-    } else if (a.trials[i] < b.trials[k]) {
-      ++i;
-    } else {
-      ++k;
-    }
-  }
-  return result;
+  return experiment::matches(a.trials, b.trials);
 }
 
 std::optional<ConditionTrials> selected(const ConditionTrials& all, std::string_view learner, std::string_view rival) {
@@ -156,7 +146,7 @@ std::optional<ConditionTrials> selected(const ConditionTrials& all, std::string_
   for (AgentTrials& agent : result.agents) {
     std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < agent.trials.size(); ++i)
-      if (std::binary_search(kept.begin(), kept.end(), agent.trials[i])) indices.push_back(i);
+      if (std::ranges::binary_search(kept, agent.trials[i])) indices.push_back(i);
     agent = at_indices(agent, indices);
   }
   return result;

@@ -47,11 +47,10 @@ nlohmann::json Config::canonical() const {
 
 Config read_config(const std::filesystem::path& file) {
   const nlohmann::json json = parse_json(read_file(file), file.string());
-  if (!json.is_object()) throw InputError(fmt::format("{}: must be a JSON object", file.string()));
+  if (!json.is_object()) throw InputError("{}: must be a JSON object", file.string());
   for (const auto& [key, value] : json.items())
     if (key != "spectral_efficiency" && key != "throughput")
-      throw InputError(
-          fmt::format("{}: unknown key \"{}\"; allowed: spectral_efficiency, throughput", file.string(), excerpt(key)));
+      throw InputError("{}: unknown key \"{}\"; allowed: spectral_efficiency, throughput", file.string(), excerpt(key));
   const auto stage = [&](const char* key, radio::QosKind kind) {
     return Parameters(stage_parameters(kind), json.value(key, nlohmann::json::object()),
                       fmt::format("{}: {}", file.string(), key));

@@ -20,8 +20,8 @@ Crew::Crew(const agents::AgentSpec& relay, bool failover, Clock::time_point now)
 }
 
 std::size_t Crew::find(std::string_view name) const noexcept {
-  const auto at = std::find_if(relay_.crew.begin(), relay_.crew.end(),
-                               [&](const agents::CrewMember& member) { return member.agent.name == name; });
+  const auto at = std::ranges::find(
+      relay_.crew, name, [](const agents::CrewMember& member) -> std::string_view { return member.agent.name; });
   return static_cast<std::size_t>(at - relay_.crew.begin());
 }
 

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <set>
 
 #include "common/base/nearest.hpp"
 
@@ -13,8 +12,7 @@ namespace aloft::channel {
 namespace {
 
 bool in_crew(const agents::AgentSpec& relay, std::string_view agent) {
-  return std::any_of(relay.crew.begin(), relay.crew.end(),
-                     [&](const agents::CrewMember& member) { return member.agent.name == agent; });
+  return std::ranges::any_of(relay.crew, [&](const agents::CrewMember& member) { return member.agent.name == agent; });
 }
 
 /// All agents of all crews.
@@ -22,7 +20,7 @@ std::vector<std::string> crews(const experiment::Experiment& experiment) {
   std::vector<std::string> names;
   for (const agents::AgentSpec& relay : experiment.agents)
     for (const agents::CrewMember& member : relay.crew)
-      if (std::find(names.begin(), names.end(), member.agent.name) == names.end()) names.push_back(member.agent.name);
+      if (std::ranges::find(names, member.agent.name) == names.end()) names.push_back(member.agent.name);
   return names;
 }
 
@@ -55,7 +53,7 @@ std::string objection(const wire::SwapRequest& request, const experiment::Experi
         "experiment '{}' has no agent of type 'relay', so its agents cannot be swapped; put those that "
         "share a flight into the crew of a relay",
         experiment.name);
-  if (std::find(names.begin(), names.end(), agent) == names.end())
+  if (std::ranges::find(names, agent) == names.end())
     return fmt::format("agent '{}' is in no crew of experiment '{}'.{} In a crew: {}", agent, experiment.name,
                        did_you_mean(agent, names), fmt::join(names, ", "));
   if (experiment.on_agent_loss != experiment::OnAgentLoss::failover)

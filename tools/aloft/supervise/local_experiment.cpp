@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <optional>
-#include <thread>
 
 #include "common/base/cores.hpp"
 #include "common/base/error.hpp"
 #include "common/base/plain_text.hpp"
 #include "common/base/terminal.hpp"
-#include "common/base/text_layout.hpp"
 #include "common/experiment/summary.hpp"
 #include "common/experiment/warnings.hpp"
 #include "common/security/keys.hpp"
@@ -59,15 +56,7 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     complete = results->keys().size() == total;
   } else if (!complete) {
     results.reset();  // the metrics service is the one writer
-    const LocalRun local{.dir = dir,
-                         .workers = options.workers_here(),
-                         .learner_threads = options.learner_threads_per_worker(),
-                         .pinned = !options.unpinned,
-                         .fail_fast = options.fail_fast,
-                         .shuffled = options.shuffled,
-                         .place = options.bus};
-    complete = run_local(local, experiment, progress, interrupted, failures);
-    if (complete) complete = all_there(dir, failures);
+    complete = run_local(dir, options, experiment, progress, interrupted, failures) && all_there(dir, failures);
   }
   progress.finish();
   return complete;
@@ -89,9 +78,9 @@ void FlyingOptions::check(const experiment::Experiment& experiment) const {
     throw InputError("--workers 0: --in-process needs a thread at least; use 1 to 64");
   if (!in_process && workers_here() > max_workers)
     throw InputError(
-        fmt::format("--workers {}: a worker is four processes, and {} processes fit in a DDS domain, so use at most {} "
-                    "workers, or --in-process, where they are threads",
-                    workers_here(), bus::max_processes, max_workers));
+        "--workers {}: a worker is four processes, and {} processes fit in a DDS domain, so use at most {} "
+        "workers, or --in-process, where they are threads",
+        workers_here(), bus::max_processes, max_workers);
   if (!bus.secure.empty())  // services that refuse their keys would be restarted again and again
     for (const security::Role role : security::all_roles)
       if (role != security::Role::run_operator) (void)security::check_keys(bus.secure, role);

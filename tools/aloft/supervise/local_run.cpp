@@ -23,10 +23,9 @@ constexpr std::chrono::milliseconds stop_limit{4000};
 constexpr std::chrono::milliseconds finish_limit{2000};
 constexpr std::chrono::milliseconds look_around{500};
 
-void add_services(Processes& processes, const LocalRun& run) {
-  const std::vector<std::string> results{"--results", run.dir.string(), "--experiment",
-                                         (run.dir / "experiment.json").string()};
-  if (const std::string& server = run.place.discovery_server; !server.empty()) {
+void add_services(Processes& processes, const std::filesystem::path& dir, const FlyingOptions& options) {
+  const std::vector<std::string> results{"--results", dir.string(), "--experiment", (dir / "experiment.json").string()};
+  if (const std::string& server = options.bus.discovery_server; !server.empty()) {
     const bus::Endpoint endpoint = bus::resolve_endpoint(server);
     if (bus::is_local_address(endpoint.address)) {
       bus::check_can_listen(endpoint);
@@ -37,12 +36,13 @@ void add_services(Processes& processes, const LocalRun& run) {
   // The name is new, or RunName has already looked for another coordinator, so this one need not.
   std::vector<std::string> coordinator = results;
   coordinator.insert(coordinator.end(), {"--look-around", "0"});
-  coordinator.insert(coordinator.end(), {"--fail-fast", std::to_string(run.fail_fast)});
-  if (run.shuffled) coordinator.insert(coordinator.end(), {"--trial-order", "shuffled"});
+  coordinator.insert(coordinator.end(), {"--fail-fast", std::to_string(options.fail_fast)});
+  if (options.shuffled) coordinator.insert(coordinator.end(), {"--trial-order", "shuffled"});
   processes.add_decider("aloft-coordinator", coordinator);
-  for (unsigned i = 0; i < run.workers; ++i)
-    processes.add_worker(fmt::format("w{}", i), run.learner_threads, {},
-                         run.pinned ? CoreShare{i, run.workers} : CoreShare{});
+  const unsigned workers = options.workers_here();
+  for (unsigned i = 0; i < workers; ++i)
+    processes.add_worker(fmt::format("w{}", i), options.learner_threads_per_worker(), {},
+                         options.unpinned ? CoreShare{} : CoreShare{i, workers});
 }
 
 /// The run's name and what differs from the defaults.
@@ -91,9 +91,10 @@ RunName::RunName(const bus::BusOptions& place, const std::atomic<bool>& interrup
   (void)runtime::SoleCoordinator(participant).take(claim_, look_around, [&interrupted] { return interrupted.load(); });
 }
 
-bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
-               const std::atomic<bool>& interrupted, std::vector<std::string>& failures) {
-  bus::BusOptions place = run.place;
+bool run_local(const std::filesystem::path& dir, const FlyingOptions& options, const experiment::Experiment& experiment,
+               Progress& progress, const std::atomic<bool>& interrupted, std::vector<std::string>& failures) {
+  const unsigned workers = options.workers_here();
+  bus::BusOptions place = options.bus;
   if (place.run.empty()) place.run = fmt::format("{}.{}", experiment.id, getpid());
   place.process = "aloft";
   const bus::Participant participant(place);
@@ -102,11 +103,11 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
   bus::Waiter waiter;
   waiter.add(statuses);
 
-  if (run.workers == 0 || !run.place.run.empty())
+  if (workers == 0 || !options.bus.run.empty())
     progress.note(fmt::format("Workers join with: aloft worker --join {}", join_arguments(place)));
-  const store::FolderWatch results = store::watch_results(run.dir);
-  Processes processes(place, run.dir / "log");
-  add_services(processes, run);
+  const store::FolderWatch results = store::watch_results(dir);
+  Processes processes(place, dir / "log");
+  add_services(processes, dir, options);
   processes.start_all();
   wire::RunStatus last;
   while (!processes.decision() && !interrupted) {
@@ -115,7 +116,7 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
     statuses.drain([&](const wire::RunStatus& status) {
       last = status;
       // The caller reports the last message.
-      progress.update(status.flights_stored(), status.workers_alive(), run.workers,
+      progress.update(status.flights_stored(), status.workers_alive(), workers,
                       status.state() == wire::RUN_RUNNING ? status.message().to_string() : "");
     });
     progress.tick();
@@ -125,12 +126,12 @@ bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Pr
     progress.note(fmt::format("{} did not stop in time and was killed", name));
   const std::optional<int> coordinator_exit = processes.decision();
   if (coordinator_exit == exit_bad_input)
-    throw InputError(last_words(run.dir / "log" / "aloft-coordinator.err", "aloft-coordinator"));
+    throw InputError(last_words(dir / "log" / "aloft-coordinator.err", "aloft-coordinator"));
   if (coordinator_exit && *coordinator_exit != 0) {
     failures = lines_of(last.message().to_string());
     if (failures.empty())
-      failures.push_back(fmt::format("the coordinator ended with exit code {}; see {}", *coordinator_exit,
-                                     (run.dir / "log").string()));
+      failures.push_back(
+          fmt::format("the coordinator ended with exit code {}; see {}", *coordinator_exit, (dir / "log").string()));
   }
   return coordinator_exit == 0;
 }

@@ -5,23 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/participant.hpp"
-#include "common/experiment/experiment.hpp"
 #include "services/runtime/run_claim.hpp"
 #include "tools/aloft/progress.hpp"
+#include "tools/aloft/supervise/local_experiment.hpp"
 
 namespace aloft::cli {
-
-/// One run of all services on this machine.
-struct LocalRun {
-  std::filesystem::path dir;  ///< result folder, made and checked by the caller
-  unsigned workers = 1;
-  unsigned learner_threads = 1;  ///< of each worker
-  bool pinned = true;            ///< each worker to its share of the cores
-  unsigned fail_fast = 0;
-  bool shuffled = false;
-  bus::BusOptions place;  ///< an empty `run`: a name of its own, so that runs on one machine stay apart
-};
 
 /// A run's name given by a user, who can give it twice by mistake. Held as long as this object lives.
 class RunName {
@@ -35,11 +23,12 @@ class RunName {
 };
 
 /// Starts metrics, coordinator and workers, and the discovery server if its address is one of this machine; restarts
-/// processes that die, shows progress, and ends them all. The caller has checked the keys of a secured run. Returns
-/// true if every flight is stored; trials that failed for good are added to `failures`. All processes have ended when
-/// it returns. InputError if the coordinator refuses to work; store::ResultsGone if the folder is deleted, moved or
-/// replaced.
-bool run_local(const LocalRun& run, const experiment::Experiment& experiment, Progress& progress,
-               const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
+/// processes that die, shows progress, and ends them all. The caller has made and checked the result folder `dir`, and
+/// the keys of a secured run. Without a name for the run it gets one of its own, so that runs on one machine stay
+/// apart. Returns true if every flight is stored; trials that failed for good are added to `failures`. All processes
+/// have ended when it returns. InputError if the coordinator refuses to work; store::ResultsGone if the folder is
+/// deleted, moved or replaced.
+bool run_local(const std::filesystem::path& dir, const FlyingOptions& options, const experiment::Experiment& experiment,
+               Progress& progress, const std::atomic<bool>& interrupted, std::vector<std::string>& failures);
 
 }  // namespace aloft::cli

@@ -27,12 +27,8 @@ std::filesystem::path program_path(const std::string& program) {
 Processes::Processes(bus::BusOptions place, std::filesystem::path log_dir)
     : place_(std::move(place)), log_dir_(std::move(log_dir)) {}
 
-void Processes::add(const std::string& program, const std::vector<std::string>& more) {
-  add(program, "", more, {});
-}
-
 void Processes::add_decider(const std::string& program, const std::vector<std::string>& more) {
-  add(program, "", more, {});
+  add(program, more);
   decider_ = program;
 }
 
@@ -42,13 +38,13 @@ void Processes::add_worker(const std::string& worker, unsigned learner_threads, 
   if (!agents.empty()) only = {"--agents", fmt::format("{}", fmt::join(agents, ","))};
   std::vector<std::string> learners = only;
   learners.insert(learners.end(), {"--threads", std::to_string(learner_threads)});
-  add("aloft-environment", worker, {}, cores);
-  add("aloft-channel", worker, only, cores);
-  add("aloft-learning-agent", worker, learners, cores);
-  add("aloft-baseline-agent", worker, only, cores);
+  add("aloft-environment", {}, worker, cores);
+  add("aloft-channel", only, worker, cores);
+  add("aloft-learning-agent", learners, worker, cores);
+  add("aloft-baseline-agent", only, worker, cores);
 }
 
-void Processes::add(const std::string& program, const std::string& worker, const std::vector<std::string>& more,
+void Processes::add(const std::string& program, const std::vector<std::string>& more, const std::string& worker,
                     const CoreShare& cores) {
   std::vector<std::string> arguments{program_path(program).string(), "--log-dir", log_dir_.string(),
                                      "--die-with-parent"};
@@ -91,8 +87,7 @@ std::vector<std::string> Processes::supervise() {
 }
 
 void Processes::start(const std::string& name) {
-  const auto command =
-      std::find_if(commands_.begin(), commands_.end(), [&](const Command& entry) { return entry.name == name; });
+  const auto command = std::ranges::find(commands_, name, &Command::name);
   const OnCores pinned(command->cores);
   children_.start(name, command->arguments, log_dir_ / (name + ".err"));
 }

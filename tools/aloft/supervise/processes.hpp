@@ -24,8 +24,9 @@ class Processes {
   /// All take the same place on the bus, and write their logs into `log_dir`, which is made when they are started.
   Processes(bus::BusOptions place, std::filesystem::path log_dir);
 
-  /// A service by the name of its program, and its further arguments.
-  void add(const std::string& program, const std::vector<std::string>& more);
+  /// A service by the name of its program, and its further arguments. `worker`: whose process it is, if any.
+  void add(const std::string& program, const std::vector<std::string>& more, const std::string& worker = "",
+           const CoreShare& cores = {});
   /// A service that decides when all is over: it is not started again when it ends by itself.
   void add_decider(const std::string& program, const std::vector<std::string>& more);
   /// The four processes of a worker that learns in so many threads and flies only these agents; none named: all. They
@@ -53,8 +54,6 @@ class Processes {
     std::vector<std::string> arguments;
     CoreShare cores;
   };
-  void add(const std::string& program, const std::string& worker, const std::vector<std::string>& more,
-           const CoreShare& cores);
   [[nodiscard]] std::filesystem::path log_of(const std::string& name) const { return log_dir_ / (name + ".log"); }
   void start(const std::string& name);
   void start_again(const std::string& name);

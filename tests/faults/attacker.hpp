@@ -28,7 +28,7 @@ class Attacker {
   Attacker& operator=(const Attacker&) = delete;
 
   void send(const bus::guard::testing::Bytes& datagram) const {
-    constexpr int ports = 40;  // of both multicast sockets and of 14 processes
+    constexpr int ports = 120;  // of both multicast sockets and of 54 participants; a process never uses one twice
     for (int i = 0; i < ports; ++i) {
       sockaddr_in to{};
       to.sin_family = AF_INET;

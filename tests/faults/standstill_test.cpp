@@ -164,7 +164,7 @@ TEST_CASE("many peers forget a process that remembers them: they find it again",
   SharedSteps<askers> steps;
   std::vector<std::unique_ptr<Child>> asking;
   for (std::size_t i = 0; i < askers; ++i)
-    asking.push_back(std::make_unique<Child>([&] { ask(static_cast<std::uint32_t>(i), steps[i], 1000s); }));
+    asking.push_back(std::make_unique<Child>([&] { ask(static_cast<std::uint32_t>(i), steps[i], 200s); }));
   const Child answers([] { answer(300ms); });
   REQUIRE(steps.go_on());
   for (int round = 0; round < test::effort(8, 100); ++round) {

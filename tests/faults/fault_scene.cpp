@@ -1,6 +1,7 @@
 #include "tests/faults/fault_scene.hpp"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -112,6 +113,36 @@ bool eventually(std::chrono::seconds limit, const std::function<bool()>& done) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return true;
+}
+
+HeldRun::HeldRun(const FaultScene& scene, std::string name, const Command& run)
+    : scene_(scene), name_(std::move(name)), run_(run) {
+  const std::vector<int> services = scene.services(name_, run);
+  send_environments(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (const int pid : services) {
+    INFO(command_line(pid));
+    CHECK((bytes_[pid] = resident_bytes(pid)) > 0);
+  }
+}
+
+void HeldRun::check_growth(const char* attack) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (auto& [pid, bytes] : bytes_) {
+    INFO(attack << ": " << command_line(pid));
+    const std::size_t now = resident_bytes(pid);
+    CHECK(now > 0);
+    CHECK(now < bytes + allowed_growth_bytes);
+    bytes = now;
+  }
+}
+
+void HeldRun::go_on() const {
+  send_environments(SIGCONT);
+}
+
+void HeldRun::send_environments(int signal) const {
+  for (const int pid : scene_.services(name_, run_, "aloft-environment")) kill(pid, signal);
 }
 
 }  // namespace aloft::test

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -64,6 +65,28 @@ class FaultScene {
 /// Resident memory of a process in bytes; 0 if it is gone.
 [[nodiscard]] std::size_t resident_bytes(int pid);
 [[nodiscard]] std::string command_line(int pid);
+
+/// No attack may make a process grow by so much.
+inline constexpr std::size_t allowed_growth_bytes = 10U << 20U;
+
+/// Holds a run up by stopping its environments: without worlds it waits, and what grows meanwhile grows because of an
+/// attack.
+class HeldRun {
+ public:
+  HeldRun(const FaultScene& scene, std::string name, const Command& run);
+
+  /// Checks that no process has ended, or has grown by more than is allowed since the last call or the beginning.
+  void check_growth(const char* attack);
+  void go_on() const;
+
+ private:
+  void send_environments(int signal) const;
+
+  const FaultScene& scene_;
+  std::string name_;
+  const Command& run_;
+  std::map<int, std::size_t> bytes_;  // by process
+};
 /// Calls `done` every few milliseconds until it is true; false after `limit` (times the slowdown).
 bool eventually(std::chrono::seconds limit, const std::function<bool()>& done);
 

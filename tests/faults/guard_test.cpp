@@ -1,10 +1,8 @@
 // Datagrams that exploit faults of the middleware, into a running system: docs/vulnerabilities.md.
-#include <signal.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <map>
 #include <thread>
 
 #include "common/bus/endpoint.hpp"
@@ -22,8 +20,6 @@ using namespace std::chrono_literals;
 using Catch::Matchers::Contains;
 
 namespace {
-
-constexpr std::size_t allowed_growth_bytes = 10U << 20U;
 
 /// CVE-2025-64438: so many missing samples, each remembered by itself.
 Bytes wide_gap(std::int64_t samples) {
@@ -121,35 +117,17 @@ TEST_CASE("datagrams for known faults of the middleware neither stop processes n
   const std::string run_name = own_name("attacked");
   const auto run = scene.start(name, {"--workers", "2", "--run", run_name});
   scene.wait_for_flights(name, *run, scene.flights() / 8);
-  const std::vector<int> services = scene.services(name, *run);
-  const auto environments = [&](int signal) {
-    for (const int pid : scene.services(name, *run, "aloft-environment")) kill(pid, signal);
-  };
-  // Without worlds the run waits, and what grows now grows because of the attack.
-  environments(SIGSTOP);
-  std::this_thread::sleep_for(500ms);
-  std::map<int, std::size_t> before;
-  const auto check_growth = [&](const char* attack) {
-    std::this_thread::sleep_for(500ms);
-    for (const int pid : services) {
-      INFO(attack << ": " << command_line(pid));
-      const std::size_t now = resident_bytes(pid);
-      CHECK(now > 0);
-      if (before.contains(pid)) CHECK(now < before[pid] + allowed_growth_bytes);
-      before[pid] = now;
-    }
-  };
-  check_growth("none yet");
+  HeldRun held(scene, name, *run);
   const Attacker attacker(std::stoi(test_domain()));
   for (int round = 0; round < effort(3, 50); ++round) {
     send_all(attacker);
     for (int i = 0; i < 100; ++i) attacker.send(wide_gap(bus::guard::widest_gap + i * 7));
   }
-  check_growth("bad datagrams");
+  held.check_growth("bad datagrams");
   for (std::uint32_t forged = 1000; forged < static_cast<std::uint32_t>(effort(2500, 25'000)); ++forged)
     attacker.announce(prefix_of(forged), 2);
-  check_growth("forged participants");
-  environments(SIGCONT);
+  held.check_growth("forged participants");
+  held.go_on();
   for (const char* process : {"aloft-coordinator", "aloft-metrics", "aloft-channel-w0", "aloft-learning-agent-w1"})
     CHECK_THAT(scene.log(name, process), Contains("refused a datagram from 127.0.0.1"));
   scene.check_finished(name, *run, 120s);

@@ -7,14 +7,12 @@
 #include <idl/recordPubSubTypes.h>
 #include <idl/worldPubSubTypes.h>
 #include <netinet/in.h>
-#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
-#include <map>
 #include <optional>
 #include <thread>
 
@@ -198,24 +196,10 @@ TEST_CASE("100,000 garbage datagrams at the ports of every process", "[messages]
   const std::string name = "garbage";
   const auto run = scene.start(name, {"--workers", "2"});
   scene.wait_for_flights(name, *run, scene.flights() / 8);
-  const std::vector<int> services = scene.services(name, *run);
-  const auto environments = [&](int signal) {
-    for (const int pid : scene.services(name, *run, "aloft-environment")) kill(pid, signal);
-  };
-  // Without worlds the run waits, and what grows now grows because of the garbage.
-  environments(SIGSTOP);
-  std::this_thread::sleep_for(500ms);
-  std::map<int, std::size_t> before;
-  for (const int pid : services) before[pid] = resident_bytes(pid);
+  HeldRun held(scene, name, *run);
   Garbage(std::stoi(test_domain())).send(100'000);
-  std::this_thread::sleep_for(500ms);
-  for (const auto& [pid, bytes] : before) {
-    INFO(command_line(pid));
-    CHECK(bytes > 0);
-    CHECK(resident_bytes(pid) > 0);
-    CHECK(resident_bytes(pid) < bytes + (10U << 20U));
-  }
-  environments(SIGCONT);
+  held.check_growth("garbage");
+  held.go_on();
   scene.check_finished(name, *run, 120s);
   CHECK(run->error_so_far().find("starting it again") == std::string::npos);
 }

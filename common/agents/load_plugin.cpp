@@ -28,7 +28,7 @@ std::vector<LoadedPlugin>& loaded() {
 }
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& why) {
-  throw InputError(fmt::format("--plugin '{}': {}", file.string(), why));
+  throw InputError("--plugin '{}': {}", file.string(), why);
 }
 
 /// The reason that the loader gives, without the path in front of it.

@@ -65,8 +65,8 @@ std::string local_address(const std::string& address_or_interface) {
     if (one.name == address_or_interface || one.address == address_or_interface) return one.address;
     known += fmt::format("{}{} ({})", known.empty() ? "" : ", ", one.name, one.address);
   }
-  throw InputError(fmt::format("--interface {}: this machine has no such IPv4 interface or address; it has: {}",
-                               address_or_interface, known));
+  throw InputError("--interface {}: this machine has no such IPv4 interface or address; it has: {}",
+                   address_or_interface, known);
 }
 
 bool is_running(const std::string& address) {
@@ -88,7 +88,7 @@ Endpoint resolve_endpoint(const std::string& host_and_port) {
       colon != std::string::npos && colon > 0 &&
       std::from_chars(host_and_port.data() + colon + 1, end, endpoint.port) == std::from_chars_result{end, std::errc()};
   if (!has_port || endpoint.port == 0)
-    throw InputError(fmt::format("--discovery-server {}: write ADDRESS:PORT, e.g. 10.0.0.1:11811", host_and_port));
+    throw InputError("--discovery-server {}: write ADDRESS:PORT, e.g. 10.0.0.1:11811", host_and_port);
   const std::string host = host_and_port.substr(0, colon);
   addrinfo hints{};
   hints.ai_family = AF_INET;

@@ -50,7 +50,7 @@ void prepare_middleware() {
 /// A name can be empty: processes outside workers have no name of a worker.
 void check_name(std::string_view what, const std::string& name) {
   const std::string objection = name.empty() ? "" : name_objection(name);
-  if (!objection.empty()) throw InputError(fmt::format("{} name '{}': use {}", what, excerpt(name), objection));
+  if (!objection.empty()) throw InputError("{} name '{}': use {}", what, excerpt(name), objection);
 }
 
 void use_discovery_server(const BusOptions& options, dds::WireProtocolConfigQos& wire) {
@@ -163,7 +163,7 @@ std::vector<std::string> Participant::absent(std::chrono::milliseconds patience)
 Participant::State::State(const BusOptions& wanted)
     : options(wanted), guard(std::make_shared<guard::DatagramGuard>(!wanted.discovery_server.empty())) {
   if (options.domain < 0 || options.domain > max_domain)
-    throw InputError(fmt::format("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain));
+    throw InputError("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain);
   check_name("run", options.run);
   check_name("worker", options.worker);
   for (std::string& interface : options.interfaces) {

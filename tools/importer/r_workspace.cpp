@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t max_unpacked_bytes = std::size_t{1} << 28U;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, std::string_view reason, std::string_view advice) {
-  throw InputError(fmt::format("{}: {}. {}.", file.string(), reason, advice));
+  throw InputError("{}: {}. {}.", file.string(), reason, advice);
 }
 
 /// zlib's inflate over a byte string.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# clang-format and clang-tidy over all sources. clang-tidy skips what has not changed, headers and settings included,
-# since it last passed (build/lint/ remembers).
+# clang-format and clang-tidy over all sources. clang-tidy skips what has not changed, what it includes and settings
+# included, since it last passed (build/lint/ remembers).
 #   tools/lint.sh [--format-only | --core]    --core: clang-tidy over common/ only, without its tests and the bus
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -22,13 +22,15 @@ lint=build/lint
 cmake --preset release -B "$lint" -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0 >/dev/null
 cmake --build "$lint" --target aloft_wire aloft_proto aloft_build_info >/dev/null  # generated sources
 mkdir -p "$lint/passed"
-export lint headers
-headers=$(cat .clang-tidy $(git ls-files '*.hpp' '*.h' '*.def') | sha256sum)
+# For each unit a line: its file, and the files of this checkout that it includes.
+{ clang-scan-deps-16 -j "$(nproc)" --compilation-database "$lint/compile_commands.json" 2> /dev/null || true; } |
+  awk -v checkout="$PWD/" '/^[^ ]/ { print "" } { for (i = 1; i <= NF; ++i) if (index($i, checkout) == 1) printf "%s ", $i }' > "$lint/includes"
+export lint
 check() {
-  local sources stamp
-  sources=$(sed -n 's/^#include "\(\/.*\)"$/\1/p' "$1")  # of a unity file; else it is a source itself
-  stamp=$lint/passed/$( (echo "$headers"; cat "$1" ${sources:+$sources}) | sha256sum | cut -d' ' -f1)
-  [ -f "$stamp" ] && return 0
+  local files stamp
+  files=$(awk -v unit="$1" '$1 == unit' "$lint/includes")
+  stamp=$lint/passed/$(cat .clang-tidy ${files:-"$1"} | sha256sum | cut -d' ' -f1)
+  [ -z "$files" ] || [ ! -f "$stamp" ] || return 0
   local checks=-bugprone-suspicious-include
   # What tests do once need not be fast, a test case tells one story, and a comparison with "" shows what was there instead.
   [[ $1 != *_test.cpp && $1 != */tests/* ]] || checks+=",-performance-*,-readability-container-size-empty,-readability-function-size"

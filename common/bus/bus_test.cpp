@@ -372,27 +372,27 @@ TEST_CASE("the guard lets everything pass that two participants exchange on all 
 }
 
 TEST_CASE("the largest valid samples are no larger than the guard lets pass in fragments") {
-  const auto size = []<class Generated>(Generated type, typename Generated::type sample) {
+  const auto size = []<class Generated>(Generated type, typename Generated::type& sample) {
     return type.getSerializedSizeProvider(&sample)();
   };
   wire::EpisodeRecord record;
   record.trace().resize(limits::trace_bytes);
   record.agent_memory().resize(limits::memory_bytes);
-  CHECK(size(wire::EpisodeRecordPubSubType(), std::move(record)) <= bus::guard::largest_sample_bytes);
+  CHECK(size(wire::EpisodeRecordPubSubType(), record) <= bus::guard::largest_sample_bytes);
   wire::World measured;
   measured.agents().resize(limits::agents);
   measured.measured().throughput_kbps().resize(limits::cells);
   measured.measured().sinr_db().resize(limits::cells);
   measured.measured().serving_cell().resize(limits::cells);
-  CHECK(size(wire::WorldPubSubType(), std::move(measured)) <= bus::guard::largest_sample_bytes);
+  CHECK(size(wire::WorldPubSubType(), measured) <= bus::guard::largest_sample_bytes);
   wire::World city;
   city.agents().resize(limits::agents);
   city.city().base_stations().resize(limits::base_stations);
   city.city().building_height_m().resize(limits::cells);
-  CHECK(size(wire::WorldPubSubType(), std::move(city)) <= bus::guard::largest_sample_bytes);
+  CHECK(size(wire::WorldPubSubType(), city) <= bus::guard::largest_sample_bytes);
   wire::RunControl control;
   control.experiment_json().resize(limits::experiment_bytes);
-  CHECK(size(wire::RunControlPubSubType(), std::move(control)) <= bus::guard::largest_sample_bytes);
+  CHECK(size(wire::RunControlPubSubType(), control) <= bus::guard::largest_sample_bytes);
 }
 
 TEST_CASE("samples are padded to four bytes") {

@@ -9,6 +9,7 @@
 
 /// What a fuzz target runs on one input. The program crashes if it finds a fault: an exception that escapes, or
 /// whatever the sanitizers stop.
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer's name
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace aloft::fuzz {

@@ -66,6 +66,7 @@ void add_words(std::vector<CommandWords>& all, const CLI::App& command, const st
 
 std::vector<std::string> names_of(const std::vector<OptionWord>& options) {
   std::vector<std::string> names;
+  names.reserve(options.size());
   for (const OptionWord& option : options) names.push_back(option.name);
   return names;
 }
@@ -97,6 +98,7 @@ std::map<std::string, std::string> value_cases(const std::vector<CommandWords>& 
 /// The body of the loop that finds the command which the words before the cursor name.
 std::string path_case(const std::vector<CommandWords>& all, const char* word) {
   std::vector<std::string> paths;
+  paths.reserve(all.size());
   for (const CommandWords& command : all) paths.push_back(shell_quoted(command.path));
   return fmt::format("    case \"$place {0}\" in {1}) place+=\" {0}\" ;; esac\n", word, fmt::join(paths, "|"));
 }

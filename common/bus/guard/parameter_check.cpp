@@ -130,7 +130,11 @@ bool sequence(WireBytes& in, const Element& element) {
 }
 
 bool pairs(WireBytes& in, std::size_t max_value_bytes) {
-  if (!sequence(in, [&] { return text(in, max_property_bytes) && text(in, max_property_bytes); })) return false;
+  const auto property = [&] {
+    const bool name = text(in, max_property_bytes);
+    return name && text(in, max_property_bytes);
+  };
+  if (!sequence(in, property)) return false;
   // Participants that have no binary properties leave their count out.
   return in.left() == 0 || sequence(in, [&] { return text(in, max_property_bytes) && octets(in, max_value_bytes); });
 }

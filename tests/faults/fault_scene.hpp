@@ -68,6 +68,8 @@ class FaultScene {
 
 /// No attack may make a process grow by so much.
 inline constexpr std::size_t allowed_growth_bytes = 10U << 20U;
+/// Whether resident memory tells what a process holds: sanitizers keep freed memory for a while.
+inline constexpr bool memory_tells = slowdown == 1;
 
 /// Holds a run up by stopping its environments: without worlds it waits, and what grows meanwhile grows because of an
 /// attack.

@@ -101,7 +101,7 @@ TEST_CASE("a process counts what its guard refuses by reason, and goes on: secur
       INFO(bus::name(reason));
       CHECK(counts.at(static_cast<std::size_t>(reason)) > 0);
     }
-    CHECK(resident_bytes(getpid()) < before + allowed_growth_bytes);
+    if (memory_tells) CHECK(resident_bytes(getpid()) < before + allowed_growth_bytes);
 
     bus::Writer<wire::WorkerStatus> writer(victim);
     place.role = security::Role::environment;

@@ -134,5 +134,5 @@ TEST_CASE("a thousand slow and idle HTTP clients block no other client and no ru
   CHECK(scene.digest("crowd") == scene.reference());
   CHECK(answers > 2);
   CHECK(dropped > 800);  // the server keeps no more
-  CHECK(most < before + (32U << 20U));
+  if (memory_tells) CHECK(most < before + (32U << 20U));
 }

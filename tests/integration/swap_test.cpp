@@ -303,6 +303,7 @@ TEST_CASE("failover: after kill -9 of the process that flies, a standby takes ov
       const auto reply = orders.swap("first");
       return over() || (reply && reply->accepted() && reply->flights_flown() == 1);
     }));
+    std::this_thread::sleep_for(100ms * test::slowdown);  // it flies a step: else the flight would not tell of it
     const std::size_t before = takeovers().size();
     const double killed_at = seconds_since_epoch();
     processes.at("first").send(SIGKILL);

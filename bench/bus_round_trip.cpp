@@ -1,7 +1,6 @@
 // Round trip of a report and its command, through common/bus and with the middleware alone: in one run, in turns, with
 // the same types, quality of service and transport. The ratio is the cost of our layer.
 #include <benchmark/benchmark.h>
-#include <idl/flightPubSubTypes.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,20 +8,23 @@
 #include <chrono>
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
 #include <fastdds/dds/core/condition/WaitSet.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <idl/type_supports.hpp>
+#include <optional>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "common/bus/detail.hpp"
 #include "common/bus/endpoint.hpp"
+#include "common/bus/middleware/sample_writer.hpp"
 #include "common/bus/waiter.hpp"
 
 namespace aloft {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
+namespace dds = bus::dds;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
@@ -107,26 +109,20 @@ class BusPair {
 struct BareEndpoint {
   template <class Out, class In, class OutType, class InType>
   static void make(const bus::Participant& participant, OutType*, InType*, const char* out, const char* in,
-                   dds::DataWriter*& writer, dds::DataReader*& reader) {
+                   std::optional<bus::SampleWriter>& writer, dds::DataReader*& reader) {
     dds::DomainParticipant& p = *participant.state()->participant;
-    dds::TypeSupport out_type(new OutType);
-    dds::TypeSupport in_type(new InType);
-    for (dds::TypeSupport* type : {&out_type, &in_type}) {
-      (*type)->auto_fill_type_information(false);
-      (*type)->auto_fill_type_object(false);
-      type->register_type(&p, type->get_type_name() + "Bare");
-    }
+    const dds::TypeSupport out_type(new bus::GeneratedType<OutType>);
+    const dds::TypeSupport in_type(new bus::GeneratedType<InType>);
+    for (const dds::TypeSupport* type : {&out_type, &in_type}) type->register_type(&p, type->get_type_name() + "Bare");
     dds::Topic* out_topic = p.create_topic(out, out_type.get_type_name() + "Bare", dds::TOPIC_QOS_DEFAULT);
     dds::Topic* in_topic = p.create_topic(in, in_type.get_type_name() + "Bare", dds::TOPIC_QOS_DEFAULT);
     const bus::Writer<Out> model_writer(participant);
     const bus::Reader<In> model_reader(participant);
     auto& publisher = participant.state()->publisher(bus::Scope::worker);
     auto& subscriber = participant.state()->subscriber(bus::Scope::worker);
-    std::vector<dds::DataWriter*> writers;
     std::vector<dds::DataReader*> readers;
-    publisher.get_datawriters(writers);
     subscriber.get_datareaders(readers);
-    writer = publisher.create_datawriter(out_topic, writers.front()->get_qos());
+    writer.emplace(publisher, *out_topic, bus::SampleWriter::qos_of_one(publisher));
     reader = subscriber.create_datareader(in_topic, readers.front()->get_qos());
     reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
   }
@@ -135,7 +131,7 @@ struct BareEndpoint {
 template <class T>
 bool bare_take(dds::DataReader& reader, T& sample) {
   dds::SampleInfo info;
-  return reader.take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+  return bus::succeeded(reader.take_next_sample(&sample, &info));
 }
 
 class BarePair {
@@ -145,11 +141,7 @@ class BarePair {
         here_, static_cast<wire::ChannelReportPubSubType*>(nullptr),
         static_cast<wire::HeightCommandPubSubType*>(nullptr), "BareReport", "BareCommand", writer_, reader_);
     waits_.attach_condition(reader_->get_statuscondition());
-    dds::PublicationMatchedStatus matched;
-    do {
-      std::this_thread::sleep_for(1ms);
-      writer_->get_publication_matched_status(matched);
-    } while (matched.current_count == 0);
+    while (writer_->matched() == 0) std::this_thread::sleep_for(1ms);
     std::this_thread::sleep_for(200ms);
   }
   ~BarePair() {
@@ -161,14 +153,14 @@ class BarePair {
 
   void ping() {
     dds::ConditionSeq active;
-    writer_->write(&report_);
+    if (!writer_->write(&report_)) throw std::runtime_error("the middleware refused a report");
     while (!bare_take(*reader_, command_)) waits_.wait(active, {1, 0});
   }
 
  private:
   void echo() {
     const bus::Participant there(place("bare-pong"));
-    dds::DataWriter* writer = nullptr;
+    std::optional<bus::SampleWriter> writer;
     dds::DataReader* reader = nullptr;
     BareEndpoint::make<wire::HeightCommand, wire::ChannelReport>(
         there, static_cast<wire::HeightCommandPubSubType*>(nullptr),
@@ -180,14 +172,15 @@ class BarePair {
     wire::HeightCommand command = example_command();
     while (!stop_) {
       waits.wait(active, {0, 100'000'000});
-      while (bare_take(*reader, report)) writer->write(&command);
+      while (bare_take(*reader, report))
+        if (!writer->write(&command)) throw std::runtime_error("the middleware refused a command");
     }
   }
 
   std::atomic<bool> stop_{false};
   std::thread echo_;
   bus::Participant here_{place("bare-ping")};
-  dds::DataWriter* writer_ = nullptr;
+  std::optional<bus::SampleWriter> writer_;
   dds::DataReader* reader_ = nullptr;
   dds::WaitSet waits_;
   wire::ChannelReport report_ = example_report();

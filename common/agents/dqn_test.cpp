@@ -171,7 +171,7 @@ TEST_CASE("a checkpoint is restored exactly, and a refused one leaves the agent 
   CHECK_THROWS_AS(copy.restore_state(state.substr(0, state.size() / 2)), aloft::IntegrityError);
   CHECK(copy.save_state() == state);
   Dqn other(parameters_of({{"discount", 0.9}}));
-  CHECK_THROWS_WITH(other.restore_state(state), Catch::Matchers::Contains("other parameters"));
+  CHECK_THROWS_WITH(other.restore_state(state), Catch::Contains("other parameters"));
 }
 
 TEST_CASE("every option changes what is learnt") {
@@ -203,7 +203,7 @@ TEST_CASE("lifelong memory carries what was learnt to the next flight") {
 
   FlightInfo measured = Hill(4).info();
   measured.qos = QosKind::throughput;
-  CHECK_THROWS_WITH(agent.begin(measured), Catch::Matchers::Contains("do not mix generated and measured flights"));
+  CHECK_THROWS_WITH(agent.begin(measured), Catch::Contains("do not mix generated and measured flights"));
 }
 
 TEST_CASE("memory carried as bytes from flight to flight equals that of one agent that flies them all") {
@@ -277,7 +277,7 @@ TEST_CASE("Q-values and loss of a diverged network are not shown") {
 }
 
 TEST_CASE("impossible settings and worlds are refused") {
-  using Catch::Matchers::Contains;
+  using Catch::Contains;
   CHECK_THAT(error_of({{"replay_capacity", 10}}), Contains("replay_capacity 10 is smaller than minibatch 16"));
   CHECK_THAT(error_of({{"hidden_width", 30}}), Contains("multiple of 8"));
   CHECK_THAT(error_of({{"neighbours", 3}}), Contains("agents[0].neighbours"));

@@ -17,7 +17,7 @@
 
 using namespace aloft::agents;
 using aloft::flight::SyntheticMap;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 using namespace aloft;
 using namespace aloft::agents;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

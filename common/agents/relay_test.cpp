@@ -9,7 +9,7 @@
 namespace aloft::agents {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = nlohmann::json;
 
 AgentSpec relay(const Json& crew) {

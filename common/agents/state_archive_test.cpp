@@ -57,7 +57,7 @@ TEST_CASE("a state returns every field that was put into it") {
 TEST_CASE("a state that is cut at any byte, or has any bit flipped, is refused with a hint") {
   const std::string whole = sample();
   const auto check_refused = [](const std::string& damaged) {
-    CHECK_THAT(reason_of(damaged), Catch::Matchers::Contains("start it afresh or from another checkpoint"));
+    CHECK_THAT(reason_of(damaged), Catch::Contains("start it afresh or from another checkpoint"));
   };
   for (std::size_t size = 0; size < whole.size(); ++size) {
     INFO("cut to " << size << " bytes");
@@ -73,7 +73,7 @@ TEST_CASE("a state that is cut at any byte, or has any bit flipped, is refused w
 }
 
 TEST_CASE("a refused state says why") {
-  using Catch::Matchers::Contains;
+  using Catch::Contains;
   CHECK_THAT(reason_of(""), Contains("it is empty"));
   CHECK_THAT(reason_of(sample(), "other"), Contains("it is a state of agent 'sample'"));
   const aloft::Parameters changed(table, nlohmann::json{{"alpha", 0.3}}, "agents[0]");

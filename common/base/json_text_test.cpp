@@ -12,7 +12,7 @@
 #include "tests/paths.hpp"
 
 using namespace aloft;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "common/base/error.hpp"
 
 using aloft::read_file;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -19,7 +19,7 @@
 namespace fs = std::filesystem;
 using aloft::read_file;
 using aloft::write_file;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -1,8 +1,4 @@
 // Writers and readers over the real transport, each in its own participant.
-#include <idl/controlPubSubTypes.h>
-#include <idl/flightPubSubTypes.h>
-#include <idl/recordPubSubTypes.h>
-#include <idl/worldPubSubTypes.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -10,10 +6,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <future>
+#include <idl/type_supports.hpp>
 #include <limits>
 #include <map>
 #include <thread>
@@ -24,13 +19,14 @@
 #include "common/bus/testing/sample_limits.hpp"
 #include "common/bus/waiter.hpp"
 #include "tests/faults/rogue.hpp"
+#include "tests/paths.hpp"
 
 namespace aloft {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
+namespace dds = bus::dds;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 constexpr auto limit = 10s;
 
@@ -221,67 +217,55 @@ TEST_CASE("samples of another experiment are dropped and counted") {
 
 namespace {
 
-/// Publishes any bytes under the name of our type.
-class RawType : public dds::TopicDataType {
- public:
-  RawType() {
-    setName("aloft::wire::HeightCommand");
-    m_typeSize = 1024;
-    m_isGetKeyDefined = true;
-    auto_fill_type_information(false);
-    auto_fill_type_object(false);
-  }
-  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
-    const auto& bytes = *static_cast<std::vector<unsigned char>*>(data);
-    std::memcpy(payload->data, bytes.data(), bytes.size());
-    payload->length = static_cast<std::uint32_t>(bytes.size());
-    return true;
-  }
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t*, void*) override { return false; }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [data] { return static_cast<std::uint32_t>(static_cast<std::vector<unsigned char>*>(data)->size()); };
-  }
-  void* createData() override { return new std::vector<unsigned char>; }
-  void deleteData(void* data) override { delete static_cast<std::vector<unsigned char>*>(data); }
-  bool getKey(void*, eprosima::fastrtps::rtps::InstanceHandle_t* handle, bool) override {
-    *handle = eprosima::fastrtps::rtps::InstanceHandle_t();
-    handle->value[3] = 9;
-    return true;
-  }
-};
+using Payload = bus::rtps::SerializedPayload_t;
+using RogueCommands = test::Rogue<wire::HeightCommand, wire::HeightCommandPubSubType>;
 
 std::vector<unsigned char> serialized(wire::HeightCommand sample) {
   sample.protocol_version(wire::PROTOCOL_VERSION);
-  wire::HeightCommandPubSubType type;
-  eprosima::fastrtps::rtps::SerializedPayload_t payload(1024);
-  type.serialize(&sample, &payload);
-  return {payload.data, payload.data + payload.length};
+  return RogueCommands::bytes_of(sample);
 }
 
 }  // namespace
+
+TEST_CASE("the settings in deploy/dds make a program on this middleware a client of the discovery server") {
+  const std::string generation = bus::middleware().substr(std::strlen("Fast DDS "), 1);
+  const auto file = test::source_dir() / "deploy/dds" / ("fastdds" + generation + "-discovery-client.xml");
+  auto& factory = *dds::DomainParticipantFactory::get_instance();
+  REQUIRE(bus::succeeded(factory.load_XML_profiles_file(file.string())));
+  dds::DomainParticipantQos qos;
+  REQUIRE(bus::succeeded(factory.get_participant_qos_from_profile("aloft", qos)));
+
+  dds::WireProtocolConfigQos wanted;
+  bus::rtps::Locator_t server;
+  server.kind = LOCATOR_KIND_UDPv4;
+  bus::rtps::IPLocator::setIPv4(server, "10.0.0.1");
+  bus::rtps::IPLocator::setPhysicalPort(server, 11811);
+  bus::ask_discovery_server(server, bus::server_prefix, wanted);
+  const auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  CHECK(discovery.discoveryProtocol == wanted.builtin.discovery_config.discoveryProtocol);
+  CHECK(discovery.m_DiscoveryServers == wanted.builtin.discovery_config.m_DiscoveryServers);
+  CHECK_FALSE(qos.transport().use_builtin_transports);
+  CHECK(qos.transport().user_transports.size() == 1);
+}
+
+TEST_CASE("a process knows the middleware of the processes of a run") {
+  const bus::Participant observer(place("observer"));
+  const bus::Participant there(place("there"));
+  const bus::Writer<wire::HeightCommand> writer(there);
+  CHECK_THAT(bus::middleware(), Contains("Fast DDS "));
+  CHECK(eventually(
+      [&] { return observer.middleware_of(there.options().run) == std::vector<std::string>{bus::middleware()}; }));
+  CHECK(observer.middleware_of("another").empty());
+}
 
 TEST_CASE("malformed and out-of-range payloads are dropped and counted; good ones still arrive") {
   const bus::Participant there(place("there"));
   bus::Reader<wire::HeightCommand> reader(there);
 
   const bus::Participant raw(place("raw"));
-  dds::DomainParticipant* participant = raw.state()->participant;
-  dds::TypeSupport(new RawType).register_type(participant);
-  dds::Topic* topic = participant->create_topic("HeightCommand", "aloft::wire::HeightCommand", dds::TOPIC_QOS_DEFAULT);
-  dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
-  qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
-  qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
-  qos.liveliness().lease_duration = {0, 500'000'000};
-  qos.liveliness().announcement_period = {0, 100'000'000};
-  qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
-  dds::DataWriter* writer = raw.state()->publisher(bus::Scope::worker).create_datawriter(topic, qos);
-  REQUIRE(writer != nullptr);
+  RogueCommands writer(raw);
   // Both sides must know each other: a volatile sample goes only to readers that its writer knows.
-  REQUIRE(eventually([&] {
-    dds::PublicationMatchedStatus status;
-    writer->get_publication_matched_status(status);
-    return reader.matched() == 1 && status.current_count == 1;
-  }));
+  REQUIRE(eventually([&] { return reader.matched() == 1 && writer.matched() == 1; }));
 
   const std::vector<unsigned char> good = serialized(command(9, 1));
   std::vector<std::vector<unsigned char>> bad;
@@ -297,9 +281,8 @@ TEST_CASE("malformed and out-of-range payloads are dropped and counted; good one
   wire::HeightCommand action = command(9, 2);
   action.action(static_cast<wire::Action>(99));
   for (const auto& sample : {nan, action}) bad.push_back(serialized(sample));
-  for (auto& bytes : bad) CHECK(writer->write(&bytes));
-  std::vector<unsigned char> last = good;
-  CHECK(writer->write(&last));
+  for (const auto& bytes : bad) writer.write_bytes(command(9, 2), bytes);
+  writer.write_bytes(command(9, 2), good);
 
   wire::HeightCommand sample;
   REQUIRE(take_within(reader, sample));
@@ -372,27 +355,46 @@ TEST_CASE("the guard lets everything pass that two participants exchange on all 
 }
 
 TEST_CASE("the largest valid samples are no larger than the guard lets pass in fragments") {
-  const auto size = []<class Generated>(Generated type, typename Generated::type& sample) {
-    return type.getSerializedSizeProvider(&sample)();
-  };
+  const auto size = []<class Type>(Type type, const typename Type::Sample& sample) { return type.room_for(&sample); };
   wire::EpisodeRecord record;
   record.trace().resize(limits::trace_bytes);
   record.agent_memory().resize(limits::memory_bytes);
-  CHECK(size(wire::EpisodeRecordPubSubType(), record) <= bus::guard::largest_sample_bytes);
+  CHECK(size(bus::GeneratedType<wire::EpisodeRecordPubSubType>(), record) <= bus::guard::largest_sample_bytes);
   wire::World measured;
   measured.agents().resize(limits::agents);
   measured.measured().throughput_kbps().resize(limits::cells);
   measured.measured().sinr_db().resize(limits::cells);
   measured.measured().serving_cell().resize(limits::cells);
-  CHECK(size(wire::WorldPubSubType(), measured) <= bus::guard::largest_sample_bytes);
+  CHECK(size(bus::GeneratedType<wire::WorldPubSubType>(), measured) <= bus::guard::largest_sample_bytes);
   wire::World city;
   city.agents().resize(limits::agents);
   city.city().base_stations().resize(limits::base_stations);
   city.city().building_height_m().resize(limits::cells);
-  CHECK(size(wire::WorldPubSubType(), city) <= bus::guard::largest_sample_bytes);
+  CHECK(size(bus::GeneratedType<wire::WorldPubSubType>(), city) <= bus::guard::largest_sample_bytes);
   wire::RunControl control;
   control.experiment_json().resize(limits::experiment_bytes);
-  CHECK(size(wire::RunControlPubSubType(), control) <= bus::guard::largest_sample_bytes);
+  CHECK(size(bus::GeneratedType<wire::RunControlPubSubType>(), control) <= bus::guard::largest_sample_bytes);
+}
+
+// The guard refuses their datagrams before (common/bus/guard); in a secured run it cannot see what is encrypted.
+TEST_CASE("samples that are not XCDR1 are refused before they are read") {
+  bus::DropCounter drops("HeightCommand");
+  bus::CheckedType<wire::HeightCommandPubSubType> checked(drops);
+  const std::vector<unsigned char> good = serialized(command(9, 1));
+  const auto accepted = [&](unsigned char first, unsigned char second) {
+    Payload payload(static_cast<std::uint32_t>(good.size()));
+    std::copy(good.begin(), good.end(), payload.data);
+    payload.length = static_cast<std::uint32_t>(good.size());
+    payload.data[0] = first;
+    payload.data[1] = second;
+    wire::HeightCommand sample;
+    return checked.from_bytes(payload, &sample);
+  };
+  CHECK(accepted(0, 1));
+  CHECK_FALSE(accepted(1, 1));
+  // DDS-XTypes 1.3, 7.6.3.1.2: parameter lists, and the representations of XCDR2.
+  for (const int other : {2, 3, 6, 7, 8, 9, 10, 11}) CHECK_FALSE(accepted(0, static_cast<unsigned char>(other)));
+  CHECK(drops.drops().malformed == 9);
 }
 
 TEST_CASE("samples are padded to four bytes") {
@@ -401,13 +403,13 @@ TEST_CASE("samples are padded to four bytes") {
   wire::EpisodeRecord record = bus::testing::SampleLimits<wire::EpisodeRecord>::good();
   for (std::size_t bytes = 1; bytes <= 8; ++bytes) {
     record.agent_memory().resize(bytes);
-    const std::uint32_t size = checked.getSerializedSizeProvider(&record)();
+    const std::uint32_t size = checked.room_for(&record);
     CHECK(size % 4 == 0);
-    eprosima::fastrtps::rtps::SerializedPayload_t payload(size);
-    REQUIRE(checked.serialize(&record, &payload));
+    Payload payload(size);
+    REQUIRE(checked.to_bytes(&record, payload));
     CHECK(payload.length == size);
     wire::EpisodeRecord back;
-    REQUIRE(checked.deserialize(&payload, &back));
+    REQUIRE(checked.from_bytes(payload, &back));
     CHECK(back.agent_memory().size() == bytes);
   }
 }
@@ -416,21 +418,21 @@ TEST_CASE("a malformed sample that claims to be huge gets no memory") {
   wire::World world;
   world.agents(wire::names({"dqn"}));
   world.city().base_stations().resize(3);
-  wire::WorldPubSubType plain;
-  eprosima::fastrtps::rtps::SerializedPayload_t good(plain.getSerializedSizeProvider(&world)() + 64);
-  REQUIRE(plain.serialize(&world, &good));
+  bus::GeneratedType<wire::WorldPubSubType> plain;
+  Payload good(plain.room_for(&world) + 64);
+  REQUIRE(plain.to_bytes(&world, good));
   bus::DropCounter drops("World");
   bus::CheckedType<wire::WorldPubSubType> checked(drops);
   wire::World sample;
-  REQUIRE(checked.deserialize(&good, &sample));
+  REQUIRE(checked.from_bytes(good, &sample));
   std::uint64_t refused = 0;
   for (std::uint32_t at = 4; at + 4 <= good.length; at += 4)
     for (const std::uint32_t length : {0xFFFFFFFFU, 0x10000000U, 0x01000000U}) {
-      eprosima::fastrtps::rtps::SerializedPayload_t bad(good.length);
+      Payload bad(good.length);
       bad.copy(&good);
       std::memcpy(bad.data + at, &length, sizeof length);
       wire::World spoilt;
-      refused += checked.deserialize(&bad, &spoilt) ? 0U : 1U;
+      refused += checked.from_bytes(bad, &spoilt) ? 0U : 1U;
       CHECK(spoilt.agents().capacity() < 1000);
       CHECK(spoilt.city().base_stations().capacity() < 1000);
     }
@@ -440,10 +442,10 @@ TEST_CASE("a malformed sample that claims to be huge gets no memory") {
 
 TEST_CASE("a sample that is longer than its type can be gets no memory") {
   wire::WorkerStatus status;
-  wire::WorkerStatusPubSubType plain;
+  bus::GeneratedType<wire::WorkerStatusPubSubType> plain;
   const auto serialized_status = [&] {
-    eprosima::fastrtps::rtps::SerializedPayload_t payload(plain.getSerializedSizeProvider(&status)());
-    plain.serialize(&status, &payload);
+    Payload payload(plain.room_for(&status));
+    plain.to_bytes(&status, payload);
     return std::vector<unsigned char>(payload.data, payload.data + payload.length);
   };
   std::vector<unsigned char> bytes = serialized_status();
@@ -454,22 +456,22 @@ TEST_CASE("a sample that is longer than its type can be gets no memory") {
   const std::uint32_t failures = 900'000;  // fewer than there are bytes: enough for Fast CDR
   std::memcpy(bytes.data() + length_at, &failures, sizeof failures);
 
-  eprosima::fastrtps::rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size()));
+  Payload payload(static_cast<std::uint32_t>(bytes.size()));
   std::copy(bytes.begin(), bytes.end(), payload.data);
   payload.length = static_cast<std::uint32_t>(bytes.size());
   bus::DropCounter drops("WorkerStatus");
   bus::CheckedType<wire::WorkerStatusPubSubType> checked(drops);
   wire::WorkerStatus spoilt;
-  CHECK_FALSE(checked.deserialize(&payload, &spoilt));
+  CHECK_FALSE(checked.from_bytes(payload, &spoilt));
   CHECK(spoilt.failures().capacity() < 1000);
 }
 
 TEST_CASE("a sequence of AgentName has the bytes of a sequence of strings on the wire") {
   wire::World world;
   world.agents(wire::names({"dqn", "x"}));
-  wire::WorldPubSubType type;
-  eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(&world)());
-  REQUIRE(type.serialize(&world, &payload));
+  bus::GeneratedType<wire::WorldPubSubType> type;
+  Payload payload(type.room_for(&world));
+  REQUIRE(type.to_bytes(&world, payload));
   const std::vector<unsigned char> sequence{2, 0, 0, 0, 4, 0, 0, 0, 'd', 'q', 'n', 0, 2, 0, 0, 0, 'x', 0};
   const unsigned char* const end = payload.data + payload.length;
   CHECK(std::search(payload.data, payload.data + payload.length, sequence.begin(), sequence.end()) != end);

@@ -7,13 +7,16 @@
 namespace aloft::bus {
 namespace {
 
+template <class Ours, class Theirs>
+consteval bool same(Ours ours, Theirs theirs) {
+  return static_cast<std::uint32_t>(ours) == static_cast<std::uint32_t>(theirs);
+}
+
 // An enumerator has the same number in idl/flight.idl and in the domain.
-static_assert(static_cast<std::uint32_t>(agents::Action::down) == wire::ACTION_DOWN &&
-              static_cast<std::uint32_t>(agents::Action::hold) == wire::ACTION_HOLD &&
-              static_cast<std::uint32_t>(agents::Action::up) == wire::ACTION_UP &&
-              static_cast<std::uint32_t>(agents::Action::absolute) == wire::ACTION_ABSOLUTE &&
-              static_cast<std::uint32_t>(agents::Privilege::next_step) == wire::PRIVILEGE_NEXT_STEP &&
-              static_cast<std::uint32_t>(agents::Privilege::whole_route) == wire::PRIVILEGE_WHOLE_ROUTE);
+static_assert(same(agents::Action::down, wire::ACTION_DOWN) && same(agents::Action::hold, wire::ACTION_HOLD) &&
+              same(agents::Action::up, wire::ACTION_UP) && same(agents::Action::absolute, wire::ACTION_ABSOLUTE) &&
+              same(agents::Privilege::next_step, wire::PRIVILEGE_NEXT_STEP) &&
+              same(agents::Privilege::whole_route, wire::PRIVILEGE_WHOLE_ROUTE));
 
 agents::Action from_wire(wire::Action action) {
   if (action > wire::ACTION_ABSOLUTE) throw std::logic_error("convert: this action is no command");

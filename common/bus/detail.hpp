@@ -23,12 +23,16 @@
 #include <vector>
 
 #include "common/bus/guard/datagram_guard.hpp"
-#include "common/bus/middleware/duration.hpp"
+#include "common/bus/middleware/generation.hpp"
 #include "common/bus/neighbourhood.hpp"
 #include "common/bus/participant.hpp"
 #include "common/bus/topics.hpp"
 
 namespace aloft::bus {
+
+/// Clients address the discovery server also by its GUID prefix, which can be the same in all runs: a server serves one
+/// run.
+inline constexpr const char* server_prefix = "44.53.00.5f.61.6c.6f.66.74.00.00.01";
 
 /// Counts refused samples of one topic; from any thread. Logs the first, second, fourth, ... of each kind.
 class DropCounter {
@@ -52,45 +56,44 @@ class DropCounter {
   std::atomic<std::uint64_t> foreign_{0};
 };
 
-/// The generated type support, made safe: the middleware calls deserialize() from its receiving threads and does not
+/// The generated type support, made safe: the middleware calls from_bytes() from its receiving threads and does not
 /// survive an exception there. Samples are padded to four bytes: the middleware writes a number of four bytes into each
 /// fragment that it waits for, and the guard refuses samples whose last one has no room for it. Samples whose size does
-/// not fit their content (a text that would be cut, trailing bytes) are malformed too.
+/// not fit their content (a text that would be cut, trailing bytes) are malformed, as are all that are not plain XCDR1:
+/// the lengths in an XCDR2 sample are not bounded by its bytes.
 template <class Generated>
-class CheckedType : public Generated {
+class CheckedType : public GeneratedType<Generated> {
  public:
-  explicit CheckedType(DropCounter& drops) : drops_(drops) {
-    this->auto_fill_type_information(false);
-    this->auto_fill_type_object(false);
+  explicit CheckedType(DropCounter& drops) : drops_(drops) {}
+
+  std::uint32_t room_for(const void* sample) override {
+    return (GeneratedType<Generated>::room_for(sample) + 3U) & ~3U;
   }
 
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-    return [size = Generated::getSerializedSizeProvider(data)] { return (size() + 3U) & ~3U; };
-  }
-
-  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
-    if (!Generated::serialize(data, payload)) return false;
-    while (payload->length % 4 != 0 && payload->length < payload->max_size) payload->data[payload->length++] = 0;
+  bool to_bytes(const void* sample, rtps::SerializedPayload_t& payload) override {
+    if (!GeneratedType<Generated>::to_bytes(sample, payload)) return false;
+    while (payload.length % 4 != 0 && payload.length < payload.max_size) payload.data[payload.length++] = 0;
     return true;
   }
 
-  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+  bool from_bytes(rtps::SerializedPayload_t& payload, void* sample) override {
+    if (payload.length < rtps::SerializedPayload_t::representation_header_size || payload.data[0] != 0 ||
+        payload.data[1] > 1) {
+      drops_.malformed("not XCDR1");
+      return false;
+    }
     // Fast CDR gives a sequence no more elements than there are bytes left: so a payload that is no larger than the
     // type cannot ask for much memory. (Sequences of strings can: see AgentName in idl/world.idl.)
-    if (payload->length > this->m_typeSize) {
+    if (payload.length > this->max_bytes()) {
       drops_.malformed("longer than its type");
       return false;
     }
     try {
-      if (!Generated::deserialize(payload, data)) {
+      if (!GeneratedType<Generated>::from_bytes(payload, sample)) {
         drops_.malformed("not this type");
         return false;
       }
-      const std::size_t expected =
-          Generated::type::getCdrSerializedSize(*static_cast<const typename Generated::type*>(data)) +
-          eprosima::fastrtps::rtps::SerializedPayload_t::representation_header_size;
-      constexpr std::size_t padding = 3;
-      if (payload->length < expected || payload->length > expected + padding) {
+      if (!this->takes(sample, payload.length)) {
         drops_.malformed("longer or shorter than its content");
         return false;
       }
@@ -116,13 +119,13 @@ struct Participant::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  eprosima::fastdds::dds::Publisher& publisher(Scope scope);
-  eprosima::fastdds::dds::Subscriber& subscriber(Scope scope);
+  dds::Publisher& publisher(Scope scope);
+  dds::Subscriber& subscriber(Scope scope);
   [[nodiscard]] std::string partition(Scope scope) const;
 
   struct TopicEntry {
     std::unique_ptr<DropCounter> drops;
-    eprosima::fastdds::dds::Topic* topic = nullptr;
+    dds::Topic* topic = nullptr;
   };
   template <class Generated>
   TopicEntry& topic(const TopicSettings& settings) {
@@ -130,14 +133,13 @@ struct Participant::State {
     TopicEntry& entry = topics[settings.name];
     if (entry.topic != nullptr) return entry;
     if (!entry.drops) entry.drops = std::make_unique<DropCounter>(settings.name);
-    register_topic(entry, settings, eprosima::fastdds::dds::TypeSupport(new CheckedType<Generated>(*entry.drops)));
+    register_topic(entry, settings, dds::TypeSupport(new CheckedType<Generated>(*entry.drops)));
     return entry;
   }
-  void register_topic(TopicEntry& entry, const TopicSettings& settings,
-                      const eprosima::fastdds::dds::TypeSupport& type);
+  void register_topic(TopicEntry& entry, const TopicSettings& settings, const dds::TypeSupport& type);
 
-  void add(eprosima::fastdds::dds::DataReader& reader);
-  void remove(eprosima::fastdds::dds::DataReader& reader);
+  void add(dds::DataReader& reader);
+  void remove(dds::DataReader& reader);
 
   BusOptions options;
   std::shared_ptr<guard::DatagramGuard> guard;
@@ -145,11 +147,11 @@ struct Participant::State {
   Neighbourhood neighbourhood;
   RediscoveryThread rediscovery{neighbourhood.rediscovery(), [this](const auto& question) { ask(question); },
                                 [this] { announce(); }};
-  eprosima::fastdds::dds::DomainParticipant* participant = nullptr;
-  std::array<eprosima::fastdds::dds::Publisher*, 3> publishers{};
-  std::array<eprosima::fastdds::dds::Subscriber*, 3> subscribers{};
+  dds::DomainParticipant* participant = nullptr;
+  std::array<dds::Publisher*, 3> publishers{};
+  std::array<dds::Subscriber*, 3> subscribers{};
   std::map<std::string_view, TopicEntry> topics;
-  std::vector<eprosima::fastdds::dds::DataReader*> readers;
+  std::vector<dds::DataReader*> readers;
 
  private:
   void ask(const Rediscovery::Question& question);

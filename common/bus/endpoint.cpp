@@ -2,28 +2,22 @@
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
-#include <idl/controlPubSubTypes.h>
-#include <idl/flightPubSubTypes.h>
-#include <idl/recordPubSubTypes.h>
-#include <idl/worldPubSubTypes.h>
 
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <idl/type_supports.hpp>
+#include <optional>
 #include <stdexcept>
 #include <type_traits>
 
 #include "common/bus/detail.hpp"
 #include "common/bus/middleware/defaults.hpp"
 #include "common/bus/middleware/liveliness.hpp"
+#include "common/bus/middleware/sample_writer.hpp"
 #include "common/bus/validate.hpp"
 
 namespace aloft::bus {
-
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
 namespace {
 
@@ -74,26 +68,20 @@ template <class T>
 struct Writer<T>::State {
   std::shared_ptr<Participant::State> participant;
   const TopicSettings& settings = topic_settings<T>();
-  dds::Publisher* publisher = nullptr;
-  dds::DataWriter* writer = nullptr;
-
-  ~State() {
-    if (writer != nullptr) publisher->delete_datawriter(writer);
-  }
+  std::optional<SampleWriter> writer;
 };
 
 template <class T>
 Writer<T>::Writer(const Participant& participant, const WriterOptions& options) : state_(std::make_unique<State>()) {
   state_->participant = participant.state();
-  state_->publisher = &state_->participant->publisher(state_->settings.scope);
   auto& entry = state_->participant->template topic<typename TypeSupportOf<T>::Type>(state_->settings);
   dds::DataWriterQos qos = dds::DATAWRITER_QOS_DEFAULT;
   apply(state_->settings, qos);
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   notice_loss(qos.reliable_writer_qos());
   if (state_->settings.exclusive) qos.ownership_strength().value = options.strength;
-  state_->writer = state_->publisher->create_datawriter(entry.topic, qos);
-  if (state_->writer == nullptr)
+  state_->writer.emplace(state_->participant->publisher(state_->settings.scope), *entry.topic, qos);
+  if (!state_->writer->created())
     throw std::runtime_error(not_created("writer", state_->settings, state_->participant->options));
 }
 
@@ -116,9 +104,7 @@ void Writer<T>::write(T& sample) {
 
 template <class T>
 std::size_t Writer<T>::matched() const {
-  dds::PublicationMatchedStatus status;
-  state_->writer->get_publication_matched_status(status);
-  return static_cast<std::size_t>(status.current_count);
+  return state_->writer->matched();
 }
 
 template <class T>
@@ -129,15 +115,15 @@ void Writer<T>::assert_liveliness() {
 template <class T>
 void Writer<T>::set_strength(std::uint32_t strength) {
   const std::lock_guard lock(state_->participant->mutex);
-  dds::DataWriterQos qos = state_->writer->get_qos();
+  dds::DataWriterQos qos = state_->writer->qos();
   qos.ownership_strength().value = strength;
-  if (state_->writer->set_qos(qos) != ReturnCode::RETCODE_OK)
+  if (!state_->writer->set_qos(qos))
     throw std::runtime_error(fmt::format("bus: {}: cannot change the strength", state_->settings.name));
 }
 
 template <class T>
 bool Writer<T>::wait_acknowledged(std::chrono::milliseconds limit) {
-  return state_->writer->wait_for_acknowledgments(duration(limit)) == ReturnCode::RETCODE_OK;
+  return state_->writer->wait_acknowledged(limit);
 }
 
 template <class T>
@@ -204,7 +190,7 @@ Reader<T>::~Reader() = default;
 template <class T>
 bool Reader<T>::take(T& sample) {
   dds::SampleInfo info;
-  while (state_->reader->take_next_sample(&sample, &info) == ReturnCode::RETCODE_OK)
+  while (succeeded(state_->reader->take_next_sample(&sample, &info)))
     if (info.valid_data && state_->good(sample)) {
       state_->sender = info.sample_identity.writer_guid();
       return true;

@@ -1,6 +1,5 @@
 #include "common/bus/neighbourhood.hpp"
 
-#include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -8,12 +7,13 @@
 #include <set>
 #include <sstream>
 
+#include "common/base/plain_text.hpp"
+
 namespace aloft::bus {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-
 namespace {
+
+constexpr std::size_t max_known = 4096;  // participants
 
 /// The id of a participant, as the middleware writes it in its log.
 std::string text(const rtps::GuidPrefix_t& participant) {
@@ -49,8 +49,6 @@ class KnownParticipants {
     std::string name;
     bool refused = false;
   };
-  static constexpr std::size_t max_known = 4096;
-
   std::mutex mutex_;
   std::map<std::string, Known> known_;
 };
@@ -60,46 +58,60 @@ KnownParticipants& known_participants() {
   return known;
 }
 
-std::string property(const rtps::IdentityToken& token, const char* name) {
-  const std::string* value = rtps::DataHolderHelper::find_property_value(token, name);
-  return value == nullptr ? "" : *value;
+constexpr std::string_view middleware_mark = "aloft-on:";
+
+/// What Neighbourhood::naming() says; empty if these are other data.
+std::string middleware_named(const std::vector<rtps::octet>& user_data) {
+  constexpr std::size_t longest = 32;
+  const std::string text(user_data.begin(), user_data.end());
+  return text.starts_with(middleware_mark) ? plain_text(text.substr(middleware_mark.size()), longest) : "";
 }
 
 /// "'aloft-channel-w0' at 10.0.0.7", and the holder of the certificate that it shows, if any. Nothing of it is
 /// verified.
-std::string introduction(const rtps::ParticipantProxyData& data) {
-  std::string text = fmt::format("'{}'", data.m_participantName.c_str());
-  if (!data.default_locators.unicast.empty())
-    text += " at " + rtps::IPLocator::ip_to_string(data.default_locators.unicast.front());
-  const std::string subject = property(data.identity_token_, "dds.cert.sn");
-  return subject.empty() ? text : fmt::format("{} ({})", text, subject);
+std::string introduction(const PeerData& peer) {
+  std::string text = fmt::format("'{}'", name_of(peer));
+  if (!peer.default_locators.unicast.empty())
+    text += " at " + rtps::IPLocator::ip_to_string(peer.default_locators.unicast.front());
+  const ShownCertificate certificate = certificate_of(peer);
+  return certificate.subject.empty() ? text : fmt::format("{} ({})", text, certificate.subject);
 }
 
 }  // namespace
 
-void Neighbourhood::on_participant_discovery(dds::DomainParticipant* /*participant*/,
-                                             rtps::ParticipantDiscoveryInfo&& info) {
-  using Info = rtps::ParticipantDiscoveryInfo;
-  const rtps::ParticipantProxyData& data = info.info;
-  if (info.status == Info::REMOVED_PARTICIPANT) {
-    spdlog::debug("{} leaves", introduction(data));
-    rediscovery_.left(data.m_guid.guidPrefix);
+void Neighbourhood::on_peer(Change change, const PeerData& peer) {
+  const rtps::GuidPrefix_t& prefix = prefix_of(peer);
+  if (change == Change::left) {
+    spdlog::debug("{} leaves", introduction(peer));
+    rediscovery_.left(prefix);
   }
-  if (info.status == Info::DROPPED_PARTICIPANT) {
-    spdlog::debug("{} is silent", introduction(data));
-    rediscovery_.fell_silent(data.m_guid.guidPrefix, Rediscovery::Clock::now());
+  if (change == Change::silent) {
+    spdlog::debug("{} is silent", introduction(peer));
+    rediscovery_.fell_silent(prefix, Rediscovery::Clock::now());
   }
-  if (info.status != Info::DISCOVERED_PARTICIPANT) return;
-  spdlog::debug("discovered {}", introduction(data));
-  rediscovery_.heard(data.m_guid.guidPrefix, introduction(data), Rediscovery::Clock::now());
+  if (change != Change::found) return;
+  spdlog::debug("discovered {}", introduction(peer));
+  rediscovery_.heard(prefix, introduction(peer), Rediscovery::Clock::now());
   if (thread_ != nullptr) thread_->peer_is_back();
-  known_participants().add(data.m_guid.guidPrefix, introduction(data));
-  if (authority_.empty()) return;
-  // The middleware reports a failed handshake to one side only, depending on which began it: so check here as well.
-  if (data.identity_token_.class_id().empty())
-    known_participants().refuse(data.m_guid.guidPrefix, "shows no certificate (started without --secure?)");
-  else if (property(data.identity_token_, "dds.ca.sn").find(authority_) == std::string::npos)
-    known_participants().refuse(data.m_guid.guidPrefix, "shows a certificate of another authority");
+  known_participants().add(prefix, introduction(peer));
+  if (!authority_.empty()) check(peer);
+  const std::lock_guard lock(mutex_);
+  if (middlewares_.size() >= max_known) middlewares_.clear();
+  middlewares_[prefix] = middleware_named(user_data_of(peer));
+}
+
+/// The middleware reports a failed handshake to one side only, depending on which began it: so check here as well.
+void Neighbourhood::check(const PeerData& peer) const {
+  const ShownCertificate certificate = certificate_of(peer);
+  if (!certificate.shown)
+    known_participants().refuse(prefix_of(peer), "shows no certificate (started without --secure?)");
+  else if (certificate.authority.find(authority_) == std::string::npos)
+    known_participants().refuse(prefix_of(peer), "shows a certificate of another authority");
+}
+
+std::vector<rtps::octet> Neighbourhood::naming(const std::string& middleware) {
+  const std::string text = std::string(middleware_mark) + middleware;
+  return {text.begin(), text.end()};
 }
 
 void Neighbourhood::onParticipantAuthentication(dds::DomainParticipant* /*participant*/,
@@ -109,31 +121,28 @@ void Neighbourhood::onParticipantAuthentication(dds::DomainParticipant* /*partic
                                 "cannot prove who it is, or its certificate or permissions are not valid");
 }
 
-void Neighbourhood::on_subscriber_discovery(dds::DomainParticipant* participant, rtps::ReaderDiscoveryInfo&& info) {
-  const rtps::GUID_t& reader = info.info.guid();
-  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER)
-    return rediscovery_.removed(reader, Rediscovery::Kind::reader);
+void Neighbourhood::on_reader(dds::DomainParticipant& self, bool known, const rtps::GUID_t& reader,
+                              const std::vector<rtps::octet>& user_data) {
+  if (!known) return rediscovery_.removed(reader, Rediscovery::Kind::reader);
   rediscovery_.found(reader, Rediscovery::Kind::reader);
-  const rtps::GuidPrefix_t& self = participant->guid().guidPrefix;
-  if (rediscovery_.asks(reader.guidPrefix, info.info.m_qos.m_userData.getValue(), self) && thread_ != nullptr)
+  if (rediscovery_.asks(reader.guidPrefix, user_data, self.guid().guidPrefix) && thread_ != nullptr)
     thread_->peer_asks();
 }
 
-void Neighbourhood::on_publisher_discovery(dds::DomainParticipant* /*participant*/, rtps::WriterDiscoveryInfo&& info) {
-  const bool removed = info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER;
-  if (removed)
-    rediscovery_.removed(info.info.guid(), Rediscovery::Kind::writer);
+void Neighbourhood::on_writer(bool known, const rtps::GUID_t& writer, const std::vector<std::string>& partitions) {
+  if (known)
+    rediscovery_.found(writer, Rediscovery::Kind::writer);
   else
-    rediscovery_.found(info.info.guid(), Rediscovery::Kind::writer);
+    rediscovery_.removed(writer, Rediscovery::Kind::writer);
   const std::lock_guard lock(mutex_);
-  if (removed) {
-    runs_.erase(info.info.guid());
+  if (!known) {
+    runs_.erase(writer);
     return;
   }
-  for (const std::string& partition : info.info.m_qos.m_partition.getNames()) {
+  for (const std::string& partition : partitions) {
     if (partition.rfind(partition_root, 0) != 0) continue;
     const std::string path = partition.substr(partition_root.size());
-    runs_[info.info.guid()] = path.substr(0, path.find('/'));
+    runs_[writer] = path.substr(0, path.find('/'));
   }
 }
 
@@ -141,6 +150,16 @@ std::vector<std::string> Neighbourhood::runs() const {
   const std::lock_guard lock(mutex_);
   std::set<std::string> names;
   for (const auto& [writer, run] : runs_) names.insert(run);
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> Neighbourhood::middleware_of(const std::string& run) const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> names;
+  for (const auto& [writer, its_run] : runs_)
+    if (const auto at = middlewares_.find(writer.guidPrefix); its_run == run && at != middlewares_.end())
+      names.insert(at->second);
+  names.erase("");
   return {names.begin(), names.end()};
 }
 

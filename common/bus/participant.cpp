@@ -1,13 +1,9 @@
 #include "common/bus/participant.hpp"
 
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <sstream>
 #include <stdexcept>
 
 #include "common/base/error.hpp"
@@ -24,25 +20,18 @@
 
 namespace aloft::bus {
 
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-
 namespace {
 
 constexpr int max_domain = 101;
 constexpr std::uint32_t socket_buffer_bytes = 4U << 20U;
 constexpr std::chrono::milliseconds server_ping_period{200};
-// Clients address the server also by its GUID prefix, which can be the same in all runs: a server serves one run.
-constexpr const char* server_prefix = "44.53.00.5f.61.6c.6f.66.74.00.00.01";
 
 /// Settings of the whole process, which must be made before the first participant.
 void prepare_middleware() {
   static std::once_flag once;
   std::call_once(once, [] {
     ignore_working_directory();
-    eprosima::fastrtps::LibrarySettingsAttributes library;
-    library.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-    eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(library);
+    switch_off_intraprocess_delivery();
     take_over_log();
   });
 }
@@ -60,20 +49,10 @@ void use_discovery_server(const BusOptions& options, dds::WireProtocolConfigQos&
   locator.kind = LOCATOR_KIND_UDPv4;
   rtps::IPLocator::setIPv4(locator, endpoint.address);
   rtps::IPLocator::setPhysicalPort(locator, endpoint.port);
-  auto& discovery = wire.builtin.discovery_config;
-  discovery.discoveryServer_client_syncperiod = duration(server_ping_period);
-  if (options.serves_discovery) {
-    check_can_listen(endpoint);
-    discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
-    std::istringstream(server_prefix) >> wire.prefix;
-    wire.builtin.metatrafficUnicastLocatorList.push_back(locator);
-    return;
-  }
-  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
-  rtps::RemoteServerAttributes server;
-  server.ReadguidPrefix(server_prefix);
-  server.metatrafficUnicastLocatorList.push_back(locator);
-  discovery.m_DiscoveryServers.push_back(server);
+  wire.builtin.discovery_config.discoveryServer_client_syncperiod = duration(server_ping_period);
+  if (!options.serves_discovery) return ask_discovery_server(locator, server_prefix, wire);
+  check_can_listen(endpoint);
+  serve_discovery(locator, server_prefix, wire);
 }
 
 /// Authentication, access control and encryption, all with the files of our role. Nothing is left to a default.
@@ -97,8 +76,11 @@ dds::DomainParticipantQos participant_qos(const BusOptions& options, std::shared
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(options.worker.empty() ? options.process : options.process + "-" + options.worker);
 
+  switch_off_type_lookup(qos);
+  qos.user_data().setValue(Neighbourhood::naming(middleware()));
+
   // UDP only: a killed process leaves no shared memory behind, and a full /dev/shm cannot take others down.
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  auto udp = std::make_shared<rtps::UDPv4TransportDescriptor>();
   udp->interfaceWhiteList = options.interfaces;
   udp->sendBufferSize = socket_buffer_bytes;
   udp->receiveBufferSize = socket_buffer_bytes;
@@ -135,6 +117,18 @@ std::optional<std::chrono::milliseconds> longest_standstill(const BusOptions& op
   return std::nullopt;
 }
 
+std::string middleware() {
+  return fmt::format("Fast DDS {}", middleware_version);
+}
+
+std::string secured_run_objection() {
+  if constexpr (ALOFT_SECURED_RUNS == 1) return "";
+  return fmt::format(
+      "a run cannot be secured on {}: its secured processes may not find each other when they start together; use "
+      "Debian 12 (Fast DDS 2.9) on all hosts of the run, or a network of the run's own without --secure",
+      middleware());
+}
+
 Participant::Participant(const BusOptions& options) : state_(std::make_shared<State>(options)) {}
 
 const BusOptions& Participant::options() const noexcept {
@@ -156,6 +150,10 @@ std::vector<std::string> Participant::runs() const {
   return state_->neighbourhood.runs();
 }
 
+std::vector<std::string> Participant::middleware_of(const std::string& run) const {
+  return state_->neighbourhood.middleware_of(run);
+}
+
 std::vector<std::string> Participant::absent(std::chrono::milliseconds patience) const {
   return state_->neighbourhood.rediscovery().absent(patience, Rediscovery::Clock::now());
 }
@@ -173,6 +171,8 @@ Participant::State::State(const BusOptions& wanted)
   prepare_middleware();
   dds::DomainParticipantQos qos = participant_qos(options, guard);
   if (!options.secure.empty()) {
+    if (const std::string objection = secured_run_objection(); !objection.empty())
+      throw InputError("--secure: {}", objection);
     // The GUID prefix of a secured participant is derived from its certificate, that of a server is fixed.
     if (!options.discovery_server.empty())
       throw InputError(
@@ -261,7 +261,7 @@ dds::Subscriber& Participant::State::subscriber(Scope scope) {
 void Participant::State::register_topic(TopicEntry& entry, const TopicSettings& settings,
                                         const dds::TypeSupport& type) {
   const std::string name(settings.name);
-  if (participant->register_type(type) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+  if (!succeeded(participant->register_type(type)))
     throw std::runtime_error("bus: cannot register the type of topic " + name);
   entry.topic = participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
   if (entry.topic == nullptr) throw std::runtime_error("bus: cannot create topic " + name);

@@ -22,6 +22,12 @@ inline constexpr unsigned max_processes = 100;
 /// are parts of partitions, file names and logs.
 [[nodiscard]] std::string name_objection(std::string_view name);
 
+/// The middleware of this process, e.g. "Fast DDS 2.9.1".
+[[nodiscard]] std::string middleware();
+
+/// Why no process on this middleware can take part in a secured run; empty if it can.
+[[nodiscard]] std::string secured_run_objection();
+
 /// The place of a process on the bus.
 struct BusOptions {
   std::string run = "default";  ///< partition of the run: see name_objection
@@ -66,6 +72,9 @@ class Participant {
   [[nodiscard]] RefusalCounts refused() const;
   /// Names of the runs in this domain of which a process is known now, sorted; it takes up to 0.5 s to discover all.
   [[nodiscard]] std::vector<std::string> runs() const;
+  /// The middleware of the processes of `run` that are known now: sorted, each one once, unverified. Processes that do
+  /// not name it are left out.
+  [[nodiscard]] std::vector<std::string> middleware_of(const std::string& run) const;
   /// Names and addresses of processes that may be back soon: silent for less than `patience` and not replaced, or back
   /// a moment ago, so that perhaps not all of their readers are known.
   [[nodiscard]] std::vector<std::string> absent(std::chrono::milliseconds patience) const;

@@ -5,7 +5,7 @@
 
 using namespace aloft;
 using namespace aloft::bus;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using security::all_roles;
 using security::permissions_xml;
 using security::role_from_text;

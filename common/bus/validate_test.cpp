@@ -29,7 +29,7 @@ void check(const T& good, const bus::testing::Spoilers<T>& spoilers) {
     error = bus::validate(bad);
     INFO(expected);
     REQUIRE(error != nullptr);
-    CHECK_THAT(error, Catch::Matchers::Contains(expected));
+    CHECK_THAT(error, Catch::Contains(expected));
   }
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("the bounds in the IDL are those of the table of limits") {
       INFO(file << ": " << at->str());
       CHECK(std::stoull((*at)[2]) == bound_of((*at)[1], (*at)[3]));
     }
-    CHECK_THAT(text, !Catch::Matchers::Contains("sequence<octet>") && !Catch::Matchers::Contains("string "));
+    CHECK_THAT(text, !Catch::Contains("sequence<octet>") && !Catch::Contains("string "));
   }
   CHECK(found > 50);
 }

@@ -5,11 +5,9 @@
 #include <stdexcept>
 
 #include "common/bus/detail.hpp"
+#include "common/bus/middleware/duration.hpp"
 
 namespace aloft::bus {
-
-namespace dds = eprosima::fastdds::dds;
-using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
 
 struct Waiter::State {
   dds::WaitSet waits;
@@ -28,12 +26,12 @@ Waiter::Waiter(StopSignal& stop) : Waiter() {
 Waiter::~Waiter() = default;
 
 void Waiter::attach(void* condition) {
-  if (state_->waits.attach_condition(*static_cast<dds::Condition*>(condition)) != ReturnCode::RETCODE_OK)
+  if (!succeeded(state_->waits.attach_condition(*static_cast<dds::Condition*>(condition))))
     throw std::logic_error("bus: cannot attach a condition to a wait set");
 }
 
 bool Waiter::wait(std::chrono::milliseconds limit) {
-  const bool woken = state_->waits.wait(state_->active, duration(limit)) == ReturnCode::RETCODE_OK;
+  const bool woken = succeeded(state_->waits.wait(state_->active, duration(limit)));
   state_->guard.set_trigger_value(false);
   return woken;
 }

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <idl/control.h>
-#include <idl/flight.h>
-#include <idl/record.h>
-#include <idl/world.h>
-
 #include <cstdint>
+#include <idl/types.hpp>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "common/base/limits.hpp"
@@ -15,9 +12,19 @@
 /// The types on the wire (idl/*.idl), their text fields, and nothing of the middleware behind them.
 namespace aloft::wire {
 
-using Name = eprosima::fastrtps::fixed_string<limits::name_bytes>;
-using Message = eprosima::fastrtps::fixed_string<limits::message_bytes>;
-using ExperimentId = eprosima::fastrtps::fixed_string<16>;
+using Name = std::remove_cvref_t<decltype(AgentName().text())>;
+using Message = std::remove_cvref_t<decltype(RunStatus().message())>;
+using ExperimentId = std::remove_cvref_t<decltype(RunControl().experiment_id())>;
+static_assert(Name::max_size == limits::name_bytes && Message::max_size == limits::message_bytes);
+
+// fastddsgen makes scoped enumerations in one generation and unscoped ones in the other: both are wire::ACTION_UP here.
+using enum Action;
+using enum AgentState;
+using enum CollectorState;
+using enum Privilege;
+using enum QosKind;
+using enum RunState;
+using enum WorldKind;
 
 /// For names and ids, which must arrive whole: std::length_error if `text` is longer than the field.
 [[nodiscard]] Name name(std::string_view text);
@@ -25,8 +32,8 @@ using ExperimentId = eprosima::fastrtps::fixed_string<16>;
 /// For messages to people: cut between characters, if they are longer than the field.
 [[nodiscard]] Message message(std::string_view text);
 
-template <std::size_t N>
-[[nodiscard]] std::string_view view(const eprosima::fastrtps::fixed_string<N>& text) noexcept {
+template <class Text>
+[[nodiscard]] std::string_view view(const Text& text) noexcept {
   return text.c_str();
 }
 

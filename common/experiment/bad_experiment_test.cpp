@@ -10,7 +10,7 @@
 
 using namespace aloft;
 using namespace aloft::experiment;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

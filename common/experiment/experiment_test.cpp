@@ -13,7 +13,7 @@
 
 using namespace aloft;
 using namespace aloft::experiment;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = nlohmann::json;
 
 namespace {
@@ -276,7 +276,7 @@ TEST_CASE("the differences between two experiments are given in words") {
   CHECK(told(parsed(R"("world": {"bs_density_per_km2": [1, 2]})", R"("energy_weight": 0.5, )")) ==
         "energy_weight is 0.5 here and not set there");
   CHECK_THAT(told(parsed(R"("world": {"preset": "geometric", "bs_density_per_km2": [1, 2]})", R"("seed": 4, )")),
-             Catch::Matchers::StartsWith("seed is 1 there and 4 here; worlds[0].") && Contains("; and "));
+             Catch::StartsWith("seed is 1 there and 4 here; worlds[0].") && Contains("; and "));
 }
 
 TEST_CASE("overrides: --set by path, --trials, --seed, --agents") {

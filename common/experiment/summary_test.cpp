@@ -6,7 +6,7 @@
 
 using namespace aloft;
 using namespace aloft::experiment;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using OrderedJson = nlohmann::ordered_json;
 
 namespace {

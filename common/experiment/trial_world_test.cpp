@@ -5,7 +5,7 @@
 namespace aloft::experiment {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 const Experiment& test_experiment() {
   static const Experiment experiment =

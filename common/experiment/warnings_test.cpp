@@ -14,7 +14,7 @@
 
 using namespace aloft;
 using namespace aloft::experiment;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 using namespace aloft;
 using namespace aloft::security;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {

@@ -18,7 +18,7 @@
 
 using namespace aloft;
 using namespace aloft::store;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using experiment::Experiment;
 using experiment::FlightKey;
 

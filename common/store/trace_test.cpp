@@ -101,7 +101,7 @@ TEST_CASE("a cut or altered trace is refused, or decodes to something that is no
 TEST_CASE("traces of another format say so") {
   std::string bytes = encode_trace(full_record());
   bytes[1] = 2;
-  CHECK_THROWS_WITH(decode_trace(bytes), Catch::Matchers::Contains("version 2, this program reads version 1"));
+  CHECK_THROWS_WITH(decode_trace(bytes), Catch::Contains("version 2, this program reads version 1"));
   CHECK_THROWS_AS(decode_trace("not a trace"), IntegrityError);
   CHECK_THROWS_AS(decode_trace(""), IntegrityError);
 }

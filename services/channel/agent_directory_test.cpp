@@ -9,7 +9,7 @@ namespace aloft::channel {
 namespace {
 
 using agents::Privilege;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 agents::AgentSpec spec_of(const nlohmann::json& entry) {
   return agents::parse_agents(entry, "test").front();

@@ -16,7 +16,7 @@
 using namespace aloft;
 using namespace aloft::coordinator;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {

@@ -38,7 +38,7 @@ TEST_CASE("a world that cannot be made or sent fails its trial, not the process"
         std::pair{nlohmann::json{{"base_station_height_m", 1e6}}, "height_m out of range"}}) {
     const wire::World world = made_in(given);
     CHECK(world.kind() == wire::WORLD_FAILED);
-    CHECK_THAT(std::string(wire::view(world.error())), Catch::Matchers::Contains(reason));
+    CHECK_THAT(std::string(wire::view(world.error())), Catch::Contains(reason));
     CHECK(bus::validate(world) == nullptr);
     CHECK(world.city().base_stations().empty());
   }

@@ -17,7 +17,7 @@
 
 using namespace aloft::metrics;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Clock = std::chrono::steady_clock;
 
 namespace {

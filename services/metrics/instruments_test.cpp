@@ -5,7 +5,7 @@
 #include "common/bus/answer_times.hpp"
 
 using namespace aloft;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("answer times fall into the bucket that they do not exceed", "[metrics]") {
   CHECK(bus::answer_bucket(0.0) == 0);

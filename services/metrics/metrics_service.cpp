@@ -265,6 +265,7 @@ class Conversation {
     status.message(wire::message(message));
     collector_news_.write(status);
     board_.hear(status);
+    board_.on_middleware(participant_.middleware_of(participant_.options().run));
   }
 
   /// For faults of other processes, which can come often: logs one of them every say_again_time.

@@ -7,6 +7,11 @@ constexpr auto stalled_after = std::chrono::seconds(10);
 
 }  // namespace
 
+void StatusBoard::on_middleware(std::vector<std::string> names) {
+  const std::lock_guard lock(mutex_);
+  view_.on_middleware(std::move(names));
+}
+
 void StatusBoard::on_tick(Clock::time_point now, const std::string& paused) {
   {
     const std::lock_guard lock(health_mutex_);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "services/metrics/http_server.hpp"
 #include "services/status/run_view.hpp"
@@ -23,6 +24,7 @@ class StatusBoard {
     const std::lock_guard lock(mutex_);
     view_.hear(message, Clock::now());
   }
+  void on_middleware(std::vector<std::string> names);
   /// From the collector's loop; `paused` says why nothing can be stored, or is empty.
   void on_tick(Clock::time_point now, const std::string& paused);
 

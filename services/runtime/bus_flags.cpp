@@ -17,7 +17,8 @@ void add_bus_flags(CLI::App& app, bus::BusOptions& options) {
   app.add_option("--discovery-server", options.discovery_server,
                  "ADDRESS:PORT of the run's discovery server, where multicast does not reach [multicast]");
   app.add_option("--secure", options.secure,
-                 "Folder with the keys of this process's role (aloft keys); all processes of a run, or none");
+                 "Folder with the keys of this process's role (aloft keys); all processes of a run, or none")
+      ->check([](const std::string&) { return bus::secured_run_objection(); });
 }
 
 std::vector<std::string> bus_arguments(const bus::BusOptions& options) {

@@ -129,6 +129,9 @@ std::string run_text(const Json& run, std::size_t width) {
                                trials["pending"].get<std::uint64_t>(), trials["failed"].get<std::uint64_t>(),
                                text(run["collector"], "state")),
                    width, "  ", "    ");
+  if (!run["middleware"].empty())
+    lines += wrapped(fmt::format("middleware: {}", fmt::join(run["middleware"].get<std::vector<std::string>>(), ", ")),
+                     width, "  ", "    ");
   lines += run["workers"].empty() ? "  no worker has been heard\n" : workers_text(run["workers"], width);
   for (const std::string& line : troubles(run)) lines += wrapped(line, width, "  ! ", "    ");
   return lines;

@@ -149,6 +149,7 @@ Json RunView::to_json(Clock::time_point now) const {
   return {{"run", name_},
           {"experiment", experiment_},
           {"experiment_id", experiment_id},
+          {"middleware", middleware_},
           {"state", run_ ? word_for(run.state(), run_states) : "unknown"},
           {"silent_s", run_ ? Json(tenths(seconds(now - run_heard_))) : Json()},
           {"flights_total", run.flights_total()},

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/bus/wire.hpp"
 #include "services/status/pace.hpp"
@@ -28,6 +30,8 @@ class RunView {
   void hear(const wire::RunStatus& status, Clock::time_point now);
   void hear(const wire::WorkerStatus& status, Clock::time_point now);
   void hear(const wire::CollectorStatus& status, Clock::time_point now);
+  /// The middleware of the processes of the run (bus::Participant::middleware_of).
+  void on_middleware(std::vector<std::string> names) { middleware_ = std::move(names); }
   /// Forgets workers that left 10 s ago, and those that have been lost for 10 minutes.
   void forget_old(Clock::time_point now);
 
@@ -53,6 +57,7 @@ class RunView {
 
   std::string name_;
   std::string experiment_;
+  std::vector<std::string> middleware_;
   std::optional<wire::RunStatus> run_;
   Pace pace_;
   Clock::time_point run_heard_;

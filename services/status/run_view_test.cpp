@@ -7,7 +7,7 @@
 
 using namespace aloft;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 
@@ -67,6 +67,7 @@ TEST_CASE("a run is shown with the rates of its workers, the time left, and its 
   CHECK(view.heard());
   CHECK_FALSE(view.complete());
   view.hear(wire::CollectorStatus(), start);
+  view.on_middleware({"Fast DDS 2.9.1", "Fast DDS 3.1.2"});
   CHECK(view.complete());
 
   const auto json = view.to_json(start + 4s);
@@ -88,6 +89,8 @@ TEST_CASE("a run is shown with the rates of its workers, the time left, and its 
   CHECK(worker["agents"][2]["silent_s"] == 12.0);
   CHECK_THAT(status::run_text(json, unlimited_width),
              Contains("w0 flies: dqn flying, planner shadow, LOST for 0:12: min-height (aloft-learning-agent)"));
+  CHECK_THAT(status::run_text(json, unlimited_width), Contains("\n  middleware: Fast DDS 2.9.1, Fast DDS 3.1.2\n"));
+  CHECK(json["middleware"] == nlohmann::json({"Fast DDS 2.9.1", "Fast DDS 3.1.2"}));
   CHECK(status::run_line(json) == "demo: running  40/100 flights  1.5 flights/s  ETA 0:40  workers 1");
 }
 

@@ -15,7 +15,7 @@
 
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

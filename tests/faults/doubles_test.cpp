@@ -12,7 +12,7 @@
 using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 namespace fs = std::filesystem;
 
 TEST_CASE("a second collector beside a run, while the run's own stands still, takes no flight away", "[doubles]") {

@@ -17,7 +17,7 @@ using namespace aloft;
 using namespace aloft::test;
 using namespace aloft::bus::guard::testing;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 
@@ -83,6 +83,7 @@ TEST_CASE("a process counts what its guard refuses by reason, and goes on: secur
     security::issue_keys(keys, {.role = role, .name = std::string(security::to_text(role))}, bus::topic_rights(role),
                          keys);
   for (const bool secured : {false, true}) {
+    if (secured && !bus::secured_run_objection().empty()) continue;
     INFO((secured ? "secured" : "not secured"));
     bus::BusOptions place;
     place.run = own_name("counts");

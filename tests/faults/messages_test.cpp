@@ -2,10 +2,6 @@
 // ends with the same bytes as in one process.
 #include <arpa/inet.h>
 #include <fmt/format.h>
-#include <idl/controlPubSubTypes.h>
-#include <idl/flightPubSubTypes.h>
-#include <idl/recordPubSubTypes.h>
-#include <idl/worldPubSubTypes.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -13,6 +9,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
+#include <idl/type_supports.hpp>
 #include <optional>
 #include <thread>
 
@@ -53,8 +50,7 @@ class Pestered {
     const bus::Participant here(place());
     std::optional<bus::Reader<T>> own;
     if (readers.empty()) own.emplace(here);
-    REQUIRE(
-        eventually(30s, [&] { return rogue.matched() >= static_cast<int>(std::max<std::size_t>(1, readers.size())); }));
+    REQUIRE(eventually(30s, [&] { return rogue.matched() >= std::max<std::size_t>(1, readers.size()); }));
     const auto counted = [&](const std::string& kind) {
       if (!own) return true;
       own->drain([](const T&) {});

@@ -86,6 +86,6 @@ TEST_CASE("invalid settings of a bad network are refused", "[network]") {
     const Finished finished = run_command({"aloft-coordinator", "--results", scene.out("x").string(), "--experiment",
                                            (scene.out("reference") / "experiment.json").string()});
     CHECK(finished.exit_code == 2);
-    CHECK_THAT(finished.err, Catch::Matchers::Contains("ALOFT_TEST_FAULTS"));
+    CHECK_THAT(finished.err, Catch::Contains("ALOFT_TEST_FAULTS"));
   }
 }

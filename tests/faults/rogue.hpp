@@ -1,14 +1,14 @@
 #pragma once
 
 #include <cstring>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/bus/detail.hpp"
+#include "common/bus/middleware/defaults.hpp"
+#include "common/bus/middleware/sample_writer.hpp"
 #include "common/bus/topics.hpp"
 
 namespace aloft::test {
@@ -18,7 +18,7 @@ template <class T, class Generated>
 class Rogue {
  public:
   explicit Rogue(const bus::Participant& participant) {
-    namespace dds = eprosima::fastdds::dds;
+    namespace dds = bus::dds;
     const bus::TopicSettings& settings = bus::topic_settings<T>();
     const std::string name(settings.name);
     type_ = new Type;
@@ -33,9 +33,9 @@ class Rogue {
     qos.resource_limits().max_instances = 10;
     qos.resource_limits().max_samples_per_instance = 100;
     qos.resource_limits().max_samples = 1000;
-    qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+    qos.endpoint().history_memory_policy = bus::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
     qos.data_sharing().off();
-    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 20'000'000};
+    bus::notice_loss(qos.reliable_writer_qos());
     if (settings.exclusive) {
       qos.ownership().kind = dds::EXCLUSIVE_OWNERSHIP_QOS;
       qos.ownership_strength().value = 0;
@@ -43,11 +43,11 @@ class Rogue {
       qos.liveliness().lease_duration = {0, 500'000'000};
       qos.liveliness().announcement_period = {0, 100'000'000};
     }
-    writer_ = topic == nullptr ? nullptr : participant.state()->publisher(settings.scope).create_datawriter(topic, qos);
-    if (writer_ == nullptr) throw std::runtime_error("no rogue writer of " + name);
+    if (topic != nullptr) writer_.emplace(participant.state()->publisher(settings.scope), *topic, qos);
+    if (!writer_ || !writer_->created()) throw std::runtime_error("no rogue writer of " + name);
   }
 
-  void write(T sample) { writer_->write(&sample); }
+  void write(T sample) { static_cast<void>(writer_->write(&sample)); }
   /// Writes these bytes in place of the sample.
   void write_bytes(T key, std::vector<unsigned char> bytes) {
     type_->instead = std::move(bytes);
@@ -55,39 +55,31 @@ class Rogue {
     type_->instead.clear();
   }
   [[nodiscard]] static std::vector<unsigned char> bytes_of(T sample) {
-    Generated type;
-    eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(&sample)() + 64);
-    type.serialize(&sample, &payload);
+    bus::GeneratedType<Generated> type;
+    bus::rtps::SerializedPayload_t payload(type.room_for(&sample) + 64);
+    type.to_bytes(&sample, payload);
     return {payload.data, payload.data + payload.length};
   }
-  [[nodiscard]] int matched() const {
-    eprosima::fastdds::dds::PublicationMatchedStatus status;
-    writer_->get_publication_matched_status(status);
-    return status.current_count;
-  }
+  [[nodiscard]] std::size_t matched() const { return writer_->matched(); }
 
  private:
-  struct Type : Generated {
+  struct Type : bus::GeneratedType<Generated> {
     std::vector<unsigned char> instead;
 
-    Type() {
-      this->auto_fill_type_information(false);
-      this->auto_fill_type_object(false);
-    }
-    bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
-      if (instead.empty()) return Generated::serialize(data, payload);
-      std::memcpy(payload->data, instead.data(), instead.size());
-      payload->length = static_cast<std::uint32_t>(instead.size());
+    bool to_bytes(const void* sample, bus::rtps::SerializedPayload_t& payload) override {
+      if (instead.empty()) return bus::GeneratedType<Generated>::to_bytes(sample, payload);
+      std::memcpy(payload.data, instead.data(), instead.size());
+      payload.length = static_cast<std::uint32_t>(instead.size());
       return true;
     }
-    std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
-      if (instead.empty()) return Generated::getSerializedSizeProvider(data);
-      return [this] { return static_cast<std::uint32_t>(instead.size()); };
+    std::uint32_t room_for(const void* sample) override {
+      if (instead.empty()) return bus::GeneratedType<Generated>::room_for(sample);
+      return static_cast<std::uint32_t>(instead.size());
     }
   };
 
   Type* type_;  // owned by the middleware
-  eprosima::fastdds::dds::DataWriter* writer_;
+  std::optional<bus::SampleWriter> writer_;
 };
 
 }  // namespace aloft::test

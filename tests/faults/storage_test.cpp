@@ -19,7 +19,7 @@
 using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 namespace fs = std::filesystem;
 
 namespace {

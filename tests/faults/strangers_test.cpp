@@ -1,7 +1,5 @@
 // Samples that pass the checks of the bus but hold content that no process of Aloft sends: unreadable experiments, and
 // text with terminal commands.
-#include <idl/controlPubSubTypes.h>
-#include <idl/flightPubSubTypes.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -9,6 +7,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <idl/type_supports.hpp>
 #include <thread>
 
 #include "common/store/result_store.hpp"
@@ -18,7 +17,7 @@
 using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -1,11 +1,7 @@
 #pragma once
 
-#include <idl/controlPubSubTypes.h>
-#include <idl/flightPubSubTypes.h>
-#include <idl/recordPubSubTypes.h>
-#include <idl/worldPubSubTypes.h>
-
 #include <algorithm>
+#include <idl/type_supports.hpp>
 #include <memory>
 #include <span>
 
@@ -38,11 +34,11 @@ template <class T, class Generated>
 bool receive_as(std::span<const std::uint8_t> bytes) {
   static bus::DropCounter drops(bus::topic_settings<T>().name);
   static bus::CheckedType<Generated> type(drops);
-  eprosima::fastrtps::rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size()));
+  bus::rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size()));
   std::copy(bytes.begin(), bytes.end(), payload.data);
   payload.length = static_cast<std::uint32_t>(bytes.size());
   const auto sample = std::make_unique<T>();
-  if (!type.deserialize(&payload, sample.get()) || bus::validate(*sample) != nullptr) return false;
+  if (!type.from_bytes(payload, sample.get()) || bus::validate(*sample) != nullptr) return false;
   use(*sample);
   return true;
 }

@@ -5,18 +5,20 @@
 #include "tests/paths.hpp"
 
 using namespace aloft::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 TEST_CASE("a test program's exit code: 0 passed, 77 something was skipped, 1 something failed") {
   const auto exit_code = [](const std::string& tests) {
-    return run_command({"aloft_harness_sample", tests, "--warn", "NoTests"}).exit_code;
+    std::vector<std::string> command{"aloft_harness_sample", tests};
+    if (CATCH_VERSION_MAJOR < 3) command.insert(command.end(), {"--warn", "NoTests"});  // what 3 does anyway
+    return run_command(command).exit_code;
   };
   CHECK(exit_code("[passes]") == 0);
   CHECK(exit_code("[skips]") == 77);
   CHECK(exit_code("[skips],[passes]") == 77);
   CHECK(exit_code("[fails]") == 1);
   CHECK(exit_code("[skips],[fails]") == 1);
-  CHECK(exit_code("[no-such-tag]") == 1);
+  CHECK(exit_code("[no-such-tag]") == (CATCH_VERSION_MAJOR < 3 ? 1 : 2));
   CHECK_THAT(run_command({"aloft_harness_sample", "[skips]"}).out,
              Contains("SKIPPED: cannot run here: there is no second moon"));
 }

@@ -9,7 +9,7 @@
 #include "tests/skip.hpp"
 
 using namespace aloft::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/paths.hpp"
 
 using namespace aloft::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

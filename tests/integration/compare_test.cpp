@@ -8,7 +8,7 @@ using aloft::test::Finished;
 using aloft::test::run_command;
 using aloft::test::ScratchDir;
 using aloft::test::write_text;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = nlohmann::json;
 
 namespace {

@@ -13,7 +13,7 @@ using aloft::test::bin_dir;
 using aloft::test::Finished;
 using aloft::test::run_command;
 using aloft::test::ScratchDir;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

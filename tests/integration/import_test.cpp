@@ -12,7 +12,7 @@ using aloft::test::read_text;
 using aloft::test::run_command;
 using aloft::test::ScratchDir;
 using aloft::test::write_text;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 namespace workspace = aloft::importer::test;
 
 namespace {

@@ -9,7 +9,7 @@ using aloft::test::Finished;
 using aloft::test::run_command;
 using aloft::test::ScratchDir;
 using aloft::test::source_dir;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

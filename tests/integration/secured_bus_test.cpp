@@ -1,7 +1,6 @@
 // What a secured run needs from the middleware: processes that start together find each other, peers that were stopped
 // for a while are remembered, and clear text is dropped.
 #include <arpa/inet.h>
-#include <idl/controlPubSubTypes.h>
 #include <netinet/in.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -15,6 +14,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <deque>
+#include <idl/type_supports.hpp>
 #include <thread>
 #include <vector>
 

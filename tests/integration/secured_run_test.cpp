@@ -17,7 +17,7 @@
 using namespace aloft;
 using namespace aloft::test;
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using security::Role;
 namespace fs = std::filesystem;
 

@@ -9,7 +9,7 @@
 #include "tests/integration/command.hpp"
 
 using namespace aloft::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = nlohmann::json;
 
 namespace {
@@ -97,6 +97,10 @@ TEST_CASE("status finds a run, shows its progress, and notices lost processes") 
   });
   CHECK(run["experiment"] == "endless");
   CHECK(run["flights_total"] == 150000);
+  const std::string version = run_command({"aloft", "--version"}).out;
+  REQUIRE_THAT(version, Contains(", Fast DDS "));
+  CHECK(run["middleware"] == Json({version.substr(version.find("Fast DDS "),
+                                                  version.find_last_not_of('\n') + 1 - version.find("Fast DDS "))}));
   CHECK(run["workers"][0]["worker"] == "w0");
   CHECK(run["workers"][0]["drops"] == 0);
 

@@ -26,7 +26,7 @@ namespace aloft {
 namespace {
 
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using test::Command;
 using test::Finished;
 using test::read_text;

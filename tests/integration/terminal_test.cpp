@@ -17,7 +17,7 @@ using aloft::test::Screen;
 using aloft::test::TerminalSession;
 using aloft::test::test_domain;
 using aloft::test::write_text;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using namespace std::chrono_literals;
 
 namespace {
@@ -168,7 +168,7 @@ TEST_CASE("where the output goes to a file nothing is left out, unless COLUMNS a
 
 TEST_CASE("aloft agents tells about one, called as in an experiment", "[terminal]") {
   const std::string one = run_command({"aloft", "agents", "constant-120"}).out;
-  CHECK_THAT(one, Catch::Matchers::StartsWith("constant") && Contains("height_m (") && !Contains("local-bandit"));
+  CHECK_THAT(one, Catch::StartsWith("constant") && Contains("height_m (") && !Contains("local-bandit"));
   CHECK(run_command({"aloft", "agents", "constant"}).out == one);
   CHECK_THAT(run_command({"aloft", "agents", "--brief"}).out, Contains("local-bandit") && !Contains("height_m ("));
   const auto misspelt = run_command({"aloft", "agents", "dqm"});

@@ -7,7 +7,7 @@
 
 using namespace aloft;
 using namespace aloft::test;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

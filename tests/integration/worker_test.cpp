@@ -25,7 +25,7 @@ namespace aloft {
 namespace {
 
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using experiment::FlightKey;
 using test::Command;
 using test::ScratchDir;

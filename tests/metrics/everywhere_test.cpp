@@ -21,7 +21,7 @@
 #include "tools/report/report_data.hpp"
 
 using namespace aloft;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using flight::FlightRecord;
 using flight::Metric;
 

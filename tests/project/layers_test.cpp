@@ -168,4 +168,30 @@ TEST_CASE("only common/bus includes the middleware") {
       FAIL_CHECK(path << " includes headers of Fast DDS");
 }
 
+namespace {
+
+/// The file if any line of it, of common/bus, tests/ or bench/, matches.
+std::vector<std::string> sources_with(const std::regex& pattern) {
+  std::vector<std::string> found;
+  for (const char* root : {"common/bus", "tests", "bench"})
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source_dir() / root)) {
+      const std::string extension = entry.path().extension().string();
+      const std::string path = entry.path().lexically_relative(source_dir()).string();
+      if ((extension == ".cpp" || extension == ".hpp") && path != "tests/project/layers_test.cpp" &&
+          std::regex_search(read_text(entry.path()), pattern))
+        found.push_back(path);
+    }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("one header knows the generations of the middleware, and one names its DataWriter") {
+  // With "only common/bus includes the middleware".
+  CHECK(sources_with(std::regex(R"(F[A-Z]+_VERSION|FAST_DDS_3|has_include|fastrtps/|eprosima::)")) ==
+        std::vector<std::string>{"common/bus/middleware/generation.hpp"});
+  CHECK(sources_with(std::regex(R"(\bDataWriter\b|_datawriter)")) ==
+        std::vector<std::string>{"common/bus/middleware/sample_writer.hpp"});
+}
+
 }  // namespace aloft::test

@@ -30,6 +30,7 @@ std::vector<Finding> examine(const DoctorOptions& options) {
   std::vector<Finding> findings{doctor::check_results(options.results),
                                 doctor::check_clock(),
                                 doctor::check_cpu(),
+                                doctor::check_middleware(),
                                 doctor::check_socket_buffers(),
                                 doctor::check_domain(options.bus.domain, doctor::udp_ports_in_use()),
                                 doctor::check_discovery(options.bus),

@@ -7,6 +7,7 @@
 #include "common/base/error.hpp"
 #include "common/base/nearest.hpp"
 #include "common/base/plain_text.hpp"
+#include "common/bus/participant.hpp"
 #include "services/runtime/help_format.hpp"
 #include "services/runtime/plugin_flag.hpp"
 #include "tools/aloft/commands.hpp"
@@ -59,7 +60,7 @@ void tell(const std::exception& error) {
 void add_commands(CLI::App& app, aloft::cli::Job& job) {
   using namespace aloft::cli;
   app.formatter(std::make_shared<aloft::runtime::HelpFormatter>());  // which the commands inherit
-  app.set_version_flag("--version", std::string(aloft::build_id()));
+  app.set_version_flag("--version", fmt::format("{}, {}", aloft::build_id(), aloft::bus::middleware()));
   app.require_subcommand(1);
   const auto add_group = [&](const char* heading, std::initializer_list<void (*)(CLI::App&, Job&)> commands) {
     const std::size_t before = app.get_subcommands({}).size();

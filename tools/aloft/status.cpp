@@ -49,6 +49,7 @@ class RunObserver {
     runs_.drain(hear);
     workers_.drain(hear);
     collectors_.drain(hear);
+    view_.on_middleware(participant_.middleware_of(participant_.options().run));
     view_.forget_old(now);
   }
   [[nodiscard]] const status::RunView& view() const noexcept { return view_; }

@@ -10,7 +10,7 @@ using aloft::compare::setting_differences;
 using aloft::compare::Side;
 using aloft::experiment::Experiment;
 using aloft::store::FlightSummary;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Json = nlohmann::json;
 
 namespace {

@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <set>
 #include <sstream>
 
 #include "common/base/error.hpp"
+#include "common/base/plain_text.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "common/learn/network.hpp"
@@ -79,6 +81,19 @@ Finding check_results(const fs::path& dir) {
   if (bytes >= disk_warning_bytes) return finding;
   finding.state = bytes < disk_problem_bytes ? State::problem : State::warning;
   finding.advice = "free some space: 1,000 flights of 100 steps take about 10 MB; a run pauses when the disk is full";
+  return finding;
+}
+
+Finding check_middleware() {
+  Finding finding{"middleware", State::ok, bus::middleware(), ""};
+  for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"}) {
+    const char* const file = std::getenv(name);
+    if (file == nullptr) continue;
+    finding.state = State::warning;
+    finding.text += fmt::format("; {} names {}", name, plain_text(file));
+    finding.advice =
+        "unset it where Aloft is started: Aloft makes all settings itself, and such a file can change them";
+  }
   return finding;
 }
 

@@ -24,6 +24,8 @@ struct Finding {
 
 /// Space where the results go: problem under 100 MB, warning under 1 GB; a problem too if nothing can be written there.
 [[nodiscard]] Finding check_results(const std::filesystem::path& dir);
+/// Which middleware this is; a warning if the environment names a file of settings for it.
+[[nodiscard]] Finding check_middleware();
 /// Space in shared memory: other programs on Fast DDS crash when it is full.
 [[nodiscard]] Finding check_shared_memory(const std::filesystem::path& dir);
 /// Files that killed processes left in shared memory; `clean` removes them.

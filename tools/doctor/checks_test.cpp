@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <filesystem>
 
 #include "common/security/keys.hpp"
@@ -13,42 +14,61 @@
 #include "tools/doctor/leftovers.hpp"
 
 using namespace aloft;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using doctor::State;
 namespace fs = std::filesystem;
 
 TEST_CASE("leftovers are Fast DDS's files that nobody locks or maps, and only they are removed", "[doctor]") {
+  const std::string prefix = GENERATE(as<std::string>{}, "fastrtps_", "fastdds_");
   const test::ScratchDir dir;
   const std::string kilobyte(1024, 'x');
-  for (const char* name : {"fastrtps_dead", "fastrtps_dead_el", "fastrtps_port7411", "fastrtps_port7411_el",
-                           "sem.fastrtps_port7411_mutex", "fastrtps_locked", "fastrtps_locked_el", "fastrtps_mapped",
-                           "fastrtps_mapped_el", "fastrtps_without_lock", "somebody_else", "somebody_else_el"})
+  for (const std::string& name : std::vector<std::string>{
+           prefix + "dead", prefix + "dead_el", prefix + "port7411", prefix + "port7411_el",
+           "sem." + prefix + "port7411_mutex", prefix + "locked", prefix + "locked_el", prefix + "mapped",
+           prefix + "mapped_el", prefix + "without_lock", "somebody_else", "somebody_else_el"})
     test::write_text(dir / name, kilobyte);
-  const int lock = open((dir / "fastrtps_locked_el").c_str(), O_RDWR);
+  const int lock = open((dir / (prefix + "locked_el")).c_str(), O_RDWR);
   REQUIRE(flock(lock, LOCK_SH) == 0);
-  const int mapped = open((dir / "fastrtps_mapped").c_str(), O_RDWR);
+  const int mapped = open((dir / (prefix + "mapped")).c_str(), O_RDWR);
   void* const memory = mmap(nullptr, kilobyte.size(), PROT_READ, MAP_SHARED, mapped, 0);
   REQUIRE(memory != MAP_FAILED);
 
   const auto leftovers = doctor::find_leftovers(dir.path());
   REQUIRE(leftovers.size() == 2);
-  CHECK(leftovers[0].files == std::vector<fs::path>{dir / "fastrtps_dead", dir / "fastrtps_dead_el"});
+  CHECK(leftovers[0].files == std::vector<fs::path>{dir / (prefix + "dead"), dir / (prefix + "dead_el")});
   CHECK(leftovers[1].files.size() == 3);
   CHECK(leftovers[1].bytes == 3 * 1024);
 
   const auto seen = doctor::check_leftovers(dir.path(), false);
   CHECK(seen.state == State::warning);
   CHECK_THAT(seen.text, Contains("2 segments"));
-  CHECK(fs::exists(dir / "fastrtps_dead"));
+  CHECK(fs::exists(dir / (prefix + "dead")));
   CHECK_THAT(doctor::check_leftovers(dir.path(), true).text, Contains("removed 2"));
-  for (const char* name : {"fastrtps_dead", "fastrtps_dead_el", "sem.fastrtps_port7411_mutex"})
+  for (const std::string& name :
+       std::vector<std::string>{prefix + "dead", prefix + "dead_el", "sem." + prefix + "port7411_mutex"})
     CHECK_FALSE(fs::exists(dir / name));
-  for (const char* name : {"fastrtps_locked", "fastrtps_mapped", "fastrtps_without_lock", "somebody_else"})
+  for (const std::string& name :
+       std::vector<std::string>{prefix + "locked", prefix + "mapped", prefix + "without_lock", "somebody_else"})
     CHECK(fs::exists(dir / name));
   CHECK(doctor::check_leftovers(dir.path(), false).state == State::ok);
   munmap(memory, kilobyte.size());
   close(mapped);
   close(lock);
+}
+
+TEST_CASE("the middleware is named, and a file of settings for it that the environment names", "[doctor]") {
+  for (const char* name : {"FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"}) {
+    unsetenv(name);
+    const auto plain = doctor::check_middleware();
+    CHECK(plain.state == State::ok);
+    CHECK(plain.text == bus::middleware());
+    setenv(name, "/a/file.xml", 1);
+    const auto seen = doctor::check_middleware();
+    unsetenv(name);
+    CHECK(seen.state == State::warning);
+    CHECK_THAT(seen.text, Contains(std::string(name) + " names /a/file.xml"));
+    CHECK_THAT(seen.advice, Contains("unset"));
+  }
 }
 
 TEST_CASE("a folder that cannot be written is a problem, one that is yet to be made is not", "[doctor]") {

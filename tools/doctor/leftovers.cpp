@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view lock_suffix = "_el";
 
 /// The segment or port that a file belongs to, e.g. "fastrtps_port7410" for "sem.fastrtps_port7410_mutex"; empty if the
-/// file is not Fast DDS's.
+/// file is not Fast DDS's. Its names begin with fastrtps_ in 2.x and with fastdds_ in 3.x.
 std::string owner_of(std::string name) {
   const auto cut = [&](std::string_view suffix) {
     if (name.size() > suffix.size() && name.ends_with(suffix)) name.resize(name.size() - suffix.size());
@@ -30,7 +30,7 @@ std::string owner_of(std::string name) {
   if (name.starts_with("sem.")) name.erase(0, 4);
   cut("_mutex");
   cut(lock_suffix);
-  return name.starts_with("fastrtps_") ? name : "";
+  return name.starts_with("fastrtps_") || name.starts_with("fastdds_") ? name : "";
 }
 
 /// Holds the lock of a segment until it is closed; not open if another process has the lock.

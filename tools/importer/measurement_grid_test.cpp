@@ -19,7 +19,7 @@ using aloft::importer::to_csv;
 using aloft::importer::test::north_wall_quay_like;
 using aloft::importer::test::one_flight_per_level;
 using aloft::importer::test::Recorder;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -21,7 +21,7 @@ using aloft::importer::test::write_bytes;
 using aloft::importer::test::xdr;
 using aloft::importer::test::xdr_head;
 using aloft::importer::test::xdr_workspace;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

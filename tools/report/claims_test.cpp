@@ -11,7 +11,7 @@
 using namespace aloft::report;
 using aloft::report::testing::agent;
 using aloft::report::testing::condition;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -9,7 +9,7 @@ using namespace aloft::report;
 using aloft::experiment::Interval;
 using aloft::report::testing::agent;
 using aloft::report::testing::condition;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using nlohmann::json;
 
 namespace {

@@ -8,7 +8,7 @@
 #include "common/base/error.hpp"
 
 using namespace aloft;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "tools/train/config.hpp"
 
 using namespace aloft;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using radio::QosKind;
 using train::Trainer;
 

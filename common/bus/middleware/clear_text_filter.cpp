@@ -1,6 +1,5 @@
 #include "common/bus/middleware/clear_text_filter.hpp"
 
-#include <fastrtps/utils/IPLocator.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -11,8 +10,6 @@
 
 namespace aloft::bus {
 namespace {
-
-namespace rtps = eprosima::fastrtps::rtps;
 
 /// The id of the endpoint at `offset`; 0 if the submessage is cut.
 unsigned endpoint_at(std::size_t offset, const unsigned char* content, std::size_t size) noexcept {

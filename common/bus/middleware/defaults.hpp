@@ -4,7 +4,7 @@
 // - a reliable writer asks its readers every 3 s what they miss: one that fills its history stalls at 150 messages/s;
 // - 10 keys: for the 11th, write() returns false;
 // - no sample allocated beforehand (allocated_samples = 0) makes early writes fail;
-// - a DEFAULT_FASTRTPS_PROFILES.xml in the working directory is loaded.
+// - a DEFAULT_FASTRTPS_PROFILES.xml (3.x: DEFAULT_FASTDDS_PROFILES.xml) in the working directory is loaded.
 // Upstream documents them and does not count them as faults. The first three are seen by "many keys: none is lost" in
 // common/bus/bus_test.cpp.
 
@@ -19,7 +19,7 @@
 namespace aloft::bus {
 
 /// Room for `depth` samples of each of `keys` keys. Cost grows with live keys: 6-10 us per write at 1,000.
-inline void make_room(int depth, int keys, eprosima::fastdds::dds::ResourceLimitsQosPolicy& limits) {
+inline void make_room(int depth, int keys, dds::ResourceLimitsQosPolicy& limits) {
   limits.max_instances = keys;
   limits.max_samples_per_instance = depth;
   limits.max_samples = depth * keys;
@@ -27,8 +27,8 @@ inline void make_room(int depth, int keys, eprosima::fastdds::dds::ResourceLimit
 }
 
 /// Loss is noticed within 20 ms.
-inline void notice_loss(eprosima::fastdds::dds::RTPSReliableWriterQos& qos) {
-  qos.times.heartbeatPeriod = duration(std::chrono::milliseconds(20));
+inline void notice_loss(dds::RTPSReliableWriterQos& qos) {
+  heartbeat_period(qos) = duration(std::chrono::milliseconds(20));
 }
 
 /// To be called before the first participant is made.

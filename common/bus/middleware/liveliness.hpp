@@ -13,8 +13,8 @@
 namespace aloft::bus {
 
 /// Writers with this policy must call Writer::assert_liveliness; one that does not for 500 ms counts as dead.
-inline void notice_dead_writers(eprosima::fastdds::dds::LivelinessQosPolicy& liveliness) {
-  liveliness.kind = eprosima::fastdds::dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+inline void notice_dead_writers(dds::LivelinessQosPolicy& liveliness) {
+  liveliness.kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
   liveliness.lease_duration = duration(std::chrono::milliseconds(500));
   liveliness.announcement_period = duration(std::chrono::milliseconds(100));
 }

@@ -9,8 +9,6 @@
 //
 // Inside common/bus only.
 
-#include <fastdds/rtps/common/Guid.h>
-
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -22,6 +20,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "common/bus/middleware/generation.hpp"
 
 namespace aloft::bus {
 
@@ -35,8 +35,8 @@ namespace aloft::bus {
 class Rediscovery {
  public:
   using Clock = std::chrono::steady_clock;
-  using Process = eprosima::fastrtps::rtps::GuidPrefix_t;
-  using Endpoint = eprosima::fastrtps::rtps::GUID_t;
+  using Process = rtps::GuidPrefix_t;
+  using Endpoint = rtps::GUID_t;
   using Question = std::vector<std::uint8_t>;
   enum class Kind : std::uint8_t { writer, reader };
 

@@ -12,8 +12,6 @@
 namespace aloft::bus {
 namespace {
 
-namespace dds = eprosima::fastdds::dds;
-
 /// Sends the middleware's own warnings to our log.
 class LogToSpdlog : public dds::LogConsumer {
  public:

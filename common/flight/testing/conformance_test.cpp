@@ -17,7 +17,7 @@ using namespace aloft::agents;  // NOLINT(google-build-using-namespace): a test 
 using namespace aloft::flight;  // NOLINT(google-build-using-namespace): a test of this namespace
 using aloft::Parameters;
 using aloft::RandomStream;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

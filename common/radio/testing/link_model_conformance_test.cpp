@@ -8,7 +8,7 @@
 
 using namespace aloft::radio;  // NOLINT(google-build-using-namespace): a test of this namespace
 using aloft::Parameters;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

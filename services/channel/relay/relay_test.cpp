@@ -9,7 +9,7 @@ namespace aloft::channel {
 namespace {
 
 using namespace std::chrono_literals;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 using Outcome = Episode::Outcome;
 
 const Clock::time_point start = Clock::now();

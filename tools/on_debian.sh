@@ -2,8 +2,9 @@
 # Runs a command on another release of Debian: in a root of that release, with a network of its own that has no way out,
 # in this checkout (there /aloft) with build folders of its own. Needs root. Roots and build folders are kept in
 # ~/.cache/aloft, and may be deleted at any time; a root is made from the mirror of this machine's apt.
-#   tools/on_debian.sh debian12 | debian13 [--for PURPOSE] [--online] COMMAND ...
+#   tools/on_debian.sh debian12 | debian13 [--for PURPOSE | --fresh] [--online] COMMAND ...
 #     --for PURPOSE   first installs the packages of this purpose (tools/setup.sh) [tests]
+#     --fresh         in a root of its own, as debootstrap makes it, which is deleted afterwards
 #     --online        in the machine's network
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -15,6 +16,7 @@ codename=${codename_of[${name:-none}]:-}
 [ -n "$codename" ] || refuse "'$name' is no release that Aloft supports; use debian12 or debian13"
 shift
 purpose=tests
+fresh=""
 network=(--net)
 while [ $# -gt 0 ]; do
   case "$1" in
@@ -26,6 +28,7 @@ while [ $# -gt 0 ]; do
       esac
       shift 2
       ;;
+    --fresh) fresh=yes; shift ;;
     --online) network=(); shift ;;
     *) break ;;
   esac
@@ -116,14 +119,24 @@ make_root() {
 }
 
 mkdir -p "$cache/roots" "$builds" "$ccache"
-exec 9> "$root.lock"
-flock 9
-# One that was interrupted is made anew, because nothing tells how far it came.
-[ ! -e "$unfinished" ] || rm -rf --one-file-system "$root"
-touch "$unfinished"
-[ -d "$root" ] || make_root
-cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
-isolated bash -c 'enter "$@"' enter tools/setup.sh --for "$purpose" --install
-rm "$unfinished"
-exec 9>&-
+if [ -n "$fresh" ]; then
+  folder=$(mktemp -d "$cache/roots/fresh.XXXXXX")
+  trap 'rm -rf --one-file-system "$folder"' EXIT
+  trap 'exit 130' INT
+  trap 'exit 143' TERM
+  root=$folder/root
+  make_root
+  cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
+else
+  exec 9> "$root.lock"
+  flock 9
+  # One that was interrupted is made anew, because nothing tells how far it came.
+  [ ! -e "$unfinished" ] || rm -rf --one-file-system "$root"
+  touch "$unfinished"
+  [ -d "$root" ] || make_root
+  cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
+  isolated bash -c 'enter "$@"' enter tools/setup.sh --for "$purpose" --install
+  rm "$unfinished"
+  exec 9>&-
+fi
 isolated "${network[@]}" bash -c 'enter "$@"' enter "$@"

@@ -136,6 +136,23 @@ TEST_CASE("a root is made once, from the mirror of the machine, outside of the c
              Contains("bookworm " + (machine.cache() / "aloft/roots/debian12").string()));
 }
 
+TEST_CASE("a fresh root is deleted after its command, also when that fails", "[needs-mounts]") {
+  if (!own_mounts()) return;
+  const Machine machine;
+  const fs::path roots = machine.cache() / "aloft/roots";
+  for (const char* code : {"0", "7"}) {
+    const Finished finished = machine.on("debian13 --fresh sh -c 'ls -d " + roots.string() + "/*; exit " + code + "'");
+    INFO(finished.err);
+    CHECK(finished.exit_code == std::stoi(code));
+    CHECK_THAT(finished.out, Contains("debootstrap --variant=minbase") && Contains(roots.string() + "/fresh."));
+    CHECK(finished.out.find("tools/setup.sh") == std::string::npos);
+    CHECK(fs::is_empty(roots));
+  }
+  write_text(machine.root() / "interrupt", "");
+  CHECK(machine.on("debian13 --fresh true").exit_code == 130);
+  CHECK(fs::is_empty(roots));
+}
+
 TEST_CASE("a root that was interrupted or whose packages failed is made anew", "[needs-mounts]") {
   if (!own_mounts()) return;
   const Machine machine;

@@ -12,9 +12,8 @@ int main(int argc, char** argv) {
   return runtime::run_service(
       argc, argv, info,
       [&](CLI::App& app) {
-        app.add_option("--threads", options.threads, "Flights that are learnt from at the same time")
-            ->check(runtime::whole_number(1, 256))
-            ->capture_default_str();
+        app.add_option("--threads", options.threads, "Flights that are learnt from at the same time [one per core]")
+            ->check(runtime::whole_number(1, 256));
         app.add_option("--strength", options.strength, "Of two processes with the same agent, the stronger flies")
             ->capture_default_str();
         app.add_option("--agents", options.agents, "Serve only these agents [all]")->delimiter(',');

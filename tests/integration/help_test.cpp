@@ -1,4 +1,6 @@
 // The help as a user requests it, and its examples as a user would copy them.
+#include <sched.h>
+
 #include <catch2/catch.hpp>
 #include <iterator>
 #include <regex>
@@ -85,6 +87,26 @@ TEST_CASE("aloft alone lists the commands; help tells about one", "[help]") {
   const Finished misspelt = run_command({"aloft", "help", "rnu"});
   CHECK(misspelt.exit_code == 2);
   CHECK_THAT(misspelt.err, Contains("no command 'rnu'") && Contains("Did you mean 'run'?"));
+}
+
+TEST_CASE("help, of which the man pages are made, does not depend on the machine's number of cores", "[help]") {
+  cpu_set_t cores;
+  REQUIRE(sched_getaffinity(0, sizeof cores, &cores) == 0);
+  int first = 0;
+  while (!CPU_ISSET(first, &cores)) ++first;
+  const auto on_one_core = [&](std::vector<std::string> command) {
+    command.insert(command.begin(), {"/usr/bin/taskset", "--cpu-list", std::to_string(first)});
+    return run_command(command).out;
+  };
+  for (const char* service : {"learning-agent", "baseline-agent", "environment", "channel", "coordinator", "metrics"}) {
+    const std::string program = bin_dir() / ("aloft-" + std::string(service));
+    CHECK(on_one_core({program, "--help"}) == run_command({program, "--help"}).out);
+  }
+  for (const Page& page : all_pages(80)) {
+    std::vector<std::string> command{bin_dir() / "aloft", "help"};
+    for (const std::string& word : words_of(page.command)) command.push_back(word);
+    CHECK(on_one_core(command) == run_command(command).out);
+  }
 }
 
 TEST_CASE("every command's help has examples that it takes, and says ranges in words", "[help]") {

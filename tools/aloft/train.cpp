@@ -153,7 +153,7 @@ void add_train(CLI::App& app, Job& job) {
                    "Model file to write; beside it its SHA-256, the validation log and, until it "
                    "is finished, checkpoints")
       ->required();
-  pretrained->add_option("--threads", options->threads, "Threads; the result is the same for any number")
+  pretrained->add_option("--threads", options->threads, "Threads; the result is the same for any number [one per core]")
       ->check(runtime::whole_number(1, 1'024));
   pretrained->callback([options, &job] { job = [options] { return train_pretrained(*options); }; });
 }

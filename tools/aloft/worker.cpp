@@ -210,9 +210,8 @@ void add_worker(CLI::App& app, Job& job) {
   command
       ->add_option("--learner-threads", options->learner_threads,
                    "Flights learnt from at the same time; give each of several workers on one host its share of the "
-                   "cores")
-      ->check(runtime::whole_number(1, 256))
-      ->capture_default_str();
+                   "cores [one per core]")
+      ->check(runtime::whole_number(1, 256));
   command->add_option("--name", options->name, "Name of the worker, unique in the run [HOST-PID]")
       ->check(runtime::bus_name());
   command->add_option("--log-dir", options->log_dir, "Folder for the logs of its processes [log/NAME]");

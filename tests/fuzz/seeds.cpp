@@ -10,7 +10,7 @@
 #include "common/agents/pretrained_model.hpp"
 #include "common/base/read_file.hpp"
 #include "common/base/write_file.hpp"
-#include "common/bus/guard/testing/datagrams.hpp"
+#include "common/bus/guard/testing/bad_datagrams.hpp"
 #include "common/bus/testing/sample_limits.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 #include "common/store/result_store.hpp"
@@ -90,23 +90,18 @@ void add_model(Seeds& seeds) {
 
 void add_datagrams(Seeds& seeds) {
   using namespace bus::guard::testing;
-  std::string all;
   int number = 0;
+  const auto sized = [](const Bytes& bytes) {
+    const std::string size{static_cast<char>(bytes.size() % 256), static_cast<char>(bytes.size() / 256)};
+    return size + std::string(bytes.begin(), bytes.end());
+  };
   for (const bool little : {true, false}) {
-    const auto nothing = [](Out&) {};
-    const bus::guard::Prefix sender = prefix_of(1);
-    for (const Bytes& part :
-         {announcement(little, sender, 20, nothing), discovery(little, publications, nothing),
-          data(little, of_a_user, 0, [](Out& out) { out.fill(40); }), data_frag(little, {}), heartbeat(little, 1, 9),
-          gap(little, 1, 3, 40), acknack(little, 1, 40), handshake(little, 1, good_token)}) {
-      const Bytes bytes = datagram({part}, sender);
-      std::string sized{static_cast<char>(bytes.size() % 256), static_cast<char>(bytes.size() / 256)};
-      sized.append(bytes.begin(), bytes.end());
-      seeds.add("datagram", fmt::format("{}", ++number), sized);
-      all += sized;
-    }
+    std::string all;
+    for (const auto& [what, bytes] : good_datagrams(little)) all += sized(bytes);
+    seeds.add("datagram", little ? "good" : "good-big-endian", all);
+    for (const Bad& bad : bad_datagrams(little))
+      seeds.add("datagram", fmt::format("bad-{}", ++number), sized(bad.bytes));
   }
-  seeds.add("datagram", "all", all);
 }
 
 void add_texts(Seeds& seeds) {

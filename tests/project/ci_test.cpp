@@ -11,7 +11,8 @@ using namespace aloft::test;
 using Catch::Contains;
 
 TEST_CASE(
-    "CI runs the linter's core, the unit tests under ASan and UBSan, bus and services under TSan, then all tests") {
+    "CI runs the linter's core, the unit tests under ASan and UBSan, bus and services under TSan, the tier "
+    "middleware on Debian 13, then all tests") {
   const Finished finished = Scripts().run(".ci/run");
   REQUIRE(finished.exit_code == 0);
   CHECK_THAT(calls_in(finished), Catch::Matches("cmake --build build\n"
@@ -20,6 +21,10 @@ TEST_CASE(
                                                 "ctest --test-dir build-asan .*--label-regex \\^unit\\$\n"
                                                 "cmake --build build-tsan --target tests_threads\n"
                                                 "ctest --test-dir build-tsan .*--label-regex \\^threads\\$\n"
+                                                "on_debian.sh debian13 --for tests --online tools/setup.sh --for tests "
+                                                "release tests_middleware\n"
+                                                "on_debian.sh debian13 --for tests tools/test.sh --preset release "
+                                                "middleware\n"
                                                 "cmake --build build\n"
                                                 "lint.sh --format-only\n"
                                                 "ctest --preset release .*\n"));
@@ -29,8 +34,9 @@ TEST_CASE(
 }
 
 TEST_CASE("CI fails with the first step that fails") {
-  for (const char* failing : {"cmake --build build", "lint.sh --core", "ctest --test-dir build-asan",
-                              "ctest --test-dir build-tsan", "lint.sh --format-only", "ctest --preset release"}) {
+  for (const char* failing :
+       {"cmake --build build", "lint.sh --core", "ctest --test-dir build-asan", "ctest --test-dir build-tsan",
+        "on_debian.sh debian13 --for tests tools/test.sh", "lint.sh --format-only", "ctest --preset release"}) {
     INFO(failing);
     const Finished finished = Scripts(failing).run(".ci/run");
     CHECK(finished.exit_code != 0);

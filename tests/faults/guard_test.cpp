@@ -1,6 +1,7 @@
 // Datagrams that exploit faults of the middleware, into a running system: docs/vulnerabilities.md.
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <thread>
@@ -118,6 +119,10 @@ TEST_CASE("datagrams for known faults of the middleware neither stop processes n
   const std::string run_name = own_name("attacked");
   const auto run = scene.start(name, {"--workers", "2", "--run", run_name});
   scene.wait_for_flights(name, *run, scene.flights() / 8);
+  const auto processes = {"aloft-coordinator", "aloft-metrics", "aloft-channel-w0", "aloft-learning-agent-w1"};
+  REQUIRE(eventually(30s, [&] {  // a worker can fly before the other one has started
+    return std::ranges::none_of(processes, [&](const char* process) { return scene.log(name, process).empty(); });
+  }));
   HeldRun held(scene, name, *run);
   const Attacker attacker(std::stoi(test_domain()));
   for (int round = 0; round < effort(3, 50); ++round) {
@@ -129,8 +134,8 @@ TEST_CASE("datagrams for known faults of the middleware neither stop processes n
     attacker.announce(prefix_of(forged), 2);
   held.check_growth("forged participants");
   held.go_on();
-  for (const char* process : {"aloft-coordinator", "aloft-metrics", "aloft-channel-w0", "aloft-learning-agent-w1"})
-    CHECK_THAT(scene.log(name, process), Contains("refused a datagram from 127.0.0.1"));
   scene.check_finished(name, *run, 120s);
+  for (const char* process : processes)
+    CHECK_THAT(scene.log(name, process), Contains("refused a datagram from 127.0.0.1"));
   CHECK(run->error_so_far().find("starting it again") == std::string::npos);
 }

@@ -21,7 +21,8 @@ enum Kind : unsigned {
   sec_body = 0x30,
   sec_prefix = 0x31,
   sec_postfix = 0x32,
-  first_of_vendors = 0x80
+  first_of_vendors = 0x80,
+  statistics = 0x80  // of eProsima, whose vendor id is 1.15: Fast DDS ends each message with it
 };
 
 // Ids of builtin writers, named by what they write: RTPS 2.2, 9.3.1.5; DDS Security 1.1, 7.4.7.

@@ -32,6 +32,15 @@ inline Bytes encrypted(bool little, std::uint32_t body_bytes = 8, std::uint32_t 
 
 inline void nothing(Out& /*out*/) {}
 
+inline Bytes changed(Bytes bytes, std::size_t at, unsigned char value) {
+  bytes.at(at) = value;
+  return bytes;
+}
+
+inline Bytes statistics(bool little, std::size_t bytes) {
+  return submessage(0x80, little, 0, [&](Out& out) { out.fill(bytes); });
+}
+
 /// One good datagram of each kind.
 inline std::map<std::string, Bytes> good_datagrams(bool little) {
   const Bytes time = submessage(0x09, little, 0, [](Out& out) { out.u32(1).u32(2); });
@@ -67,7 +76,9 @@ inline std::map<std::string, Bytes> good_datagrams(bool little) {
       {"heartbeat_frag",
        datagram({submessage(0x13, little, 0, [](Out& out) { out.fill(8).sequence_number(4).u32(9).u32(1); })})},
       {"encrypted", encrypted(little)},
-      {"of a vendor", datagram({submessage(0x80, little, 0, [](Out& out) { out.fill(7, 3).align(); }), sample})},
+      {"of a vendor", datagram({submessage(0x81, little, 0, [](Out& out) { out.fill(8, 3); }), sample})},
+      {"of another vendor", changed(datagram({statistics(little, 8), sample}), 7, 16)},
+      {"statistics", datagram({time, sample, statistics(little, 56)})},
   };
 }
 
@@ -81,11 +92,6 @@ inline Bytes token(bool little, const std::function<void(Out&)>& value) {
 
 inline Bytes unicast(bool little, std::uint32_t kind, std::uint32_t port, std::uint32_t address) {
   return parameters(little, 0x2f, [&](Out& value) { locator(value, kind, port, address); });
-}
-
-inline Bytes changed(Bytes bytes, std::size_t at, unsigned char value) {
-  bytes.at(at) = value;
-  return bytes;
 }
 
 struct Bad {
@@ -118,6 +124,11 @@ inline std::vector<Bad> bad_messages(bool little) {
       {"short data", Refusal::submessage, one(0x15, 16)},
       {"inline parameters elsewhere", Refusal::submessage, changed(sample, 26, 99)},
       {"data and key", Refusal::submessage, changed(sample, 21, static_cast<unsigned char>(12 | (little ? 1 : 0)))},
+      {"statistics before the end", Refusal::submessage, datagram({statistics(little, 56), statistics(little, 56)})},
+      {"short statistics", Refusal::submessage, datagram({statistics(little, 8)})},
+      {"long statistics", Refusal::submessage, datagram({statistics(little, 60)})},
+      {"padding between submessages", Refusal::submessage,
+       datagram({submessage(0x81, little, 0, [](Out& out) { out.fill(7); }), statistics(little, 56)})},
       {"body without prefix", Refusal::submessage, one(0x30, 12)},
       {"prefix without body", Refusal::submessage, one(0x31, 20)},
       {"encrypted body too long", Refusal::submessage, encrypted(little, 9)},

@@ -1,13 +1,16 @@
 // A network that loses, duplicates, reorders and delays messages of any program: preload this library, and set
 // ALOFT_TEST_FAULTS to the percentage of RTPS messages for each fault (docs/faults.md). The programs are not changed.
+// With ALOFT_TEST_RECORD=FILE it notes messages instead, each after its size in two bytes, low byte first.
 #include <arpa/inet.h>
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <condition_variable>
@@ -170,15 +173,45 @@ BadNetwork* from_environment() {
 
 BadNetwork* const network = from_environment();
 
+/// Notes the first messages of a process, among which are those of discovery, and later a sample of them. All processes
+/// append to the same file, each message in one call.
+class Recorder {
+ public:
+  explicit Recorder(const char* file) : fd_(open(file, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {}
+
+  void note(const Bytes& bytes) {
+    constexpr unsigned first = 1000;
+    constexpr unsigned sampling = 16;
+    const unsigned number = ++seen_;
+    if (number > first && number % sampling != 0) return;
+    Bytes sized{static_cast<unsigned char>(bytes.size()), static_cast<unsigned char>(bytes.size() >> 8U)};
+    sized.insert(sized.end(), bytes.begin(), bytes.end());
+    [[maybe_unused]] const ssize_t written = write(fd_, sized.data(), sized.size());
+  }
+
+ private:
+  int fd_;
+  std::atomic<unsigned> seen_{0};
+};
+
+Recorder* recorder_from_environment() {
+  const char* file = std::getenv("ALOFT_TEST_RECORD");
+  return file == nullptr || *file == '\0' ? nullptr : new Recorder(file);
+}
+
+Recorder* const recorder = recorder_from_environment();
+
 [[gnu::destructor]] void tell() {
   if (network != nullptr) network->tell();
 }
 
 bool taken(int socket_fd, const sockaddr* to, const Bytes& bytes) {
   constexpr std::string_view mark = "RTPS";
-  if (network == nullptr || to == nullptr || to->sa_family != AF_INET || bytes.size() < mark.size() ||
+  if (to == nullptr || to->sa_family != AF_INET || bytes.size() < mark.size() ||
       !std::equal(mark.begin(), mark.end(), bytes.begin()))
     return false;
+  if (recorder != nullptr) recorder->note(bytes);
+  if (network == nullptr) return false;
   sockaddr_in address{};
   std::memcpy(&address, to, sizeof address);
   return network->takes(socket_fd, bytes, address);

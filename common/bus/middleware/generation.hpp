@@ -62,6 +62,10 @@ inline constexpr const char* middleware_version = FASTDDS_VERSION_STR;
 namespace rtps {
 using namespace eprosima::fastdds::rtps;
 using namespace eprosima::fastrtps::rtps;
+// Names that both have, as the same class; clang takes them for two.
+using eprosima::fastdds::rtps::LocatorsIterator;
+using eprosima::fastdds::rtps::TransportDescriptorInterface;
+using eprosima::fastdds::rtps::TransportInterface;
 }  // namespace rtps
 using Duration = eprosima::fastrtps::Duration_t;
 using PeerData = rtps::ParticipantProxyData;

@@ -25,6 +25,9 @@ function(aloft_add_library name)
   endif()
 endfunction()
 
+# What sanitized programs need to ignore in the middleware.
+set(ALOFT_SANITIZER_ENVIRONMENT ASAN_OPTIONS=new_delete_type_mismatch=0:verify_asan_link_order=0 TSAN_OPTIONS=ignore_noninstrumented_modules=1)
+
 # aloft_add_test_entries(NAME PROGRAM LABELS x ... SERIAL ON|OFF TIMEOUT s ENVIRONMENT ...): the ctest entries of a test
 # program. Test cases that cannot run on every machine have the tag [needs-X], and for each X in the program's NEEDS an
 # entry of their own, NAME_needs_X, which says "skipped" where they cannot (tests/skip.hpp). Hidden test cases run only
@@ -94,8 +97,8 @@ function(aloft_add_test name)
   if(NOT ARG_TIER STREQUAL "unit")
     set(serial ON)  # each takes all cores
   endif()
-  aloft_add_test_entries(${name} ${name} LABELS ${labels} SERIAL ${serial} TIMEOUT ${ARG_TIMEOUT} ENVIRONMENT
-    ASAN_OPTIONS=new_delete_type_mismatch=0:verify_asan_link_order=0 TSAN_OPTIONS=ignore_noninstrumented_modules=1)
+  aloft_add_test_entries(${name} ${name} LABELS ${labels} SERIAL ${serial} TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT ${ALOFT_SANITIZER_ENVIRONMENT})
 endfunction()
 
 # aloft_add_benchmark(NAME SOURCES ... [DEPS lib ...]); sanitized builds leave benchmarks out.

@@ -68,6 +68,8 @@ KillWait=10
 SchedulerParameters=batch_sched_delay=0,sched_interval=1,bf_interval=1,sched_min_interval=0
 CONF
 export SLURM_CONF=$work/slurm.conf
+# Later versions than Debian 12's insist on control groups, which a root of another release does not have.
+mountpoint -q /sys/fs/cgroup || echo CgroupPlugin=disabled > "$work/cgroup.conf"
 slurmctld
 slurmd
 

@@ -64,6 +64,7 @@ TEST_CASE("nothing installed names the folder of the build or of the sources, an
   for (const std::string& file : files_below(installed())) {
     INFO(file);
     const std::string content = read_text(installed() / file);
+    if (slowdown > 1 && file.starts_with("bin/")) continue;  // sanitized programs have debug information
     CHECK(content.find(source_dir().string()) == std::string::npos);
     CHECK(content.find(bin_dir().parent_path().string()) == std::string::npos);
   }

@@ -17,7 +17,7 @@ TEST_CASE("--secure is refused, with the reason and what to use instead") {
   const std::string out = (scratch / "out").string();
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"aloft", "run", "data/experiments/quick.json", "--out", out},
-                                             {"aloft", "join", "--run", "lab"},
+                                             {"aloft", "worker", "--join", "lab"},
                                              {"aloft", "status"},
                                              {"aloft", "doctor"},
                                              {"aloft-channel", "--run", "lab", "--worker", "w0"}}) {

@@ -44,7 +44,7 @@ bool no_schema_can_say(const std::string& message) {
           "stands already at|are both named|is in this crew already|is not the agent that has this name elsewhere"),
       std::regex("is the name of another type|agent name .* is not allowed; use 1 to|printable and on one line"),
       // parameters of one agent against each other
-      std::regex("replay_capacity .* is smaller than minibatch"),
+      std::regex("replay_capacity .* is smaller than minibatch|memory 'lifelong' would carry"),
       // agents that only another program knows
       std::regex("unknown agent|write a number for"),
       // agents together with worlds and with other agents

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs a command on another release of Debian: in a root of that release, with a network of its own that has no way out,
-# in this checkout (there /aloft) with build folders of its own. Needs root. Roots and build folders are kept in
+# in this checkout (there /checkout) with build folders of its own. Needs root. Roots and build folders are kept in
 # ~/.cache/aloft, and may be deleted at any time; a root is made from the mirror of this machine's apt.
 #   tools/on_debian.sh debian12 | debian13 [--for PURPOSE | --fresh] [--online] COMMAND ...
 #     --for PURPOSE   first installs the packages of this purpose (tools/setup.sh) [tests]
@@ -46,7 +46,7 @@ unshare --mount --net --pid --fork true 2> /dev/null ||
 
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/aloft
 export root=$cache/roots/$name
-builds=$cache/builds/$name-$(echo "$PWD" | sha256sum | cut -c 1-12)  # a checkout has build folders of its own
+builds=$cache/builds/$name-$(echo "$PWD at /checkout" | sha256sum | cut -c 1-12)  # a checkout has build folders of its own
 export builds
 export ccache=${CCACHE_DIR:-$HOME/.cache/ccache}
 unfinished=$root.unfinished  # is there as long as the root must not be used
@@ -66,10 +66,11 @@ enter() {
   mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
   mount -t tmpfs -o mode=1777 tmp "$root/tmp"
   mount -t tmpfs run "$root/run"
-  mount --bind "$PWD" "$root/aloft"
+  mkdir -p "$root/checkout"
+  mount --bind "$PWD" "$root/checkout"
   for folder in build build-asan build-tsan; do
     mkdir -p "$PWD/$folder" "$builds/$folder"
-    mount --bind "$builds/$folder" "$root/aloft/$folder"
+    mount --bind "$builds/$folder" "$root/checkout/$folder"
   done
   mount --bind "$ccache" "$root/root/.cache/ccache"
   [ ! -f ~/.npmrc ] || mount --bind -o ro ~/.npmrc "$root/root/.npmrc"
@@ -80,7 +81,7 @@ enter() {
   fi
   chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 TERM="${TERM:-dumb}" \
     ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} ${no_proxy:+no_proxy="$no_proxy"} \
-    /bin/sh -c 'cd /aloft && exec "$@"' sh "$@"
+    /bin/sh -c 'cd /checkout && exec "$@"' sh "$@"
 }
 export -f enter
 network_of_machine=$(readlink /proc/self/ns/net)
@@ -108,7 +109,7 @@ make_root() {
   # Fetches as this machine's apt does, e.g. through its proxy; trusts the certificates that were added to Debian's.
   apt-config dump | grep -E '^Acquire::(https?|Check-|Retries|ForceIP)' > "$root/etc/apt/apt.conf.d/90machine" || true
   echo 'DPkg::Post-Invoke { "rm -f /var/cache/apt/archives/*.deb"; };' >> "$root/etc/apt/apt.conf.d/90machine"
-  mkdir -p "$root/usr/local/share/ca-certificates" "$root/aloft" "$root/root/.cache/ccache"
+  mkdir -p "$root/usr/local/share/ca-certificates" "$root/root/.cache/ccache"
   [ ! -d /usr/local/share/ca-certificates ] || cp -rL /usr/local/share/ca-certificates "$root/usr/local/share/"
   touch "$root/root/.npmrc"
   echo force-unsafe-io > "$root/etc/dpkg/dpkg.cfg.d/unsafe-io"  # a root that loses its power is made anew

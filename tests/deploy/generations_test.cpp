@@ -31,23 +31,28 @@ std::string middleware_of(const std::string& aloft) {
 
 /// Runs `main` as the program that leads the run, with one worker of each build; neither can finish the run alone.
 void fly_together(const std::string& main_aloft) {
-  SpreadRun run(3);
+  SpreadRun run(60);
   Command main({main_aloft, "run", run.experiment(), "--run", run.name(), "--domain", test_domain(), "--out", run.out(),
                 "--workers", "0"});
   REQUIRE(comes_true([&] { return contains(main.error_so_far(), "aloft worker --join " + run.name()); }, 30s));
   Command other({other_aloft(), "worker", "--join", run.name(), "--domain", test_domain(), "--name", "other",
                  "--log-dir", run.scratch("other").string(), "--agents", "random-walk,min-height"});
   std::set<std::string> seen;
+  std::string last;
   const auto sees_both = [&] {
     const auto status =
         run_command({"aloft", "status", "--run", run.name(), "--domain", test_domain(), "--format", "json"});
+    last = status.out + status.err;
     if (status.exit_code != 0) return false;
-    for (const auto& one : nlohmann::json::parse(status.out)["runs"])
-      for (const auto& name : one["middleware"]) seen.insert(name.get<std::string>());
+    const auto report = nlohmann::json::parse(status.out);
+    for (const auto& one : report.at("runs"))
+      for (const auto& name : one.at("middleware")) seen.insert(name.get<std::string>());
     return seen == std::set<std::string>{middleware_of("aloft"), middleware_of(other_aloft())};
   };
   const auto ours = run.worker("ours", {"--agents", "dqn,min-height"});
-  CHECK(comes_true(sees_both, 30s));
+  const bool both_seen = comes_true(sees_both, 30s);
+  INFO("aloft status says at last " << last);
+  CHECK(both_seen);
   const Finished finished = main.wait(120s);
   INFO(finished.err);
   CHECK(finished.exit_code == 0);

@@ -184,7 +184,7 @@ TEST_CASE("a command in a root has its own build folders, mounts, processes and 
     return finished.out.substr(finished.out.find('\n', line) + 1);
   };
   const fs::path root = machine.cache() / "aloft/roots/debian13";
-  const std::string checkout = (root / "aloft").string();
+  const std::string checkout = (root / "checkout").string();
   CHECK(in_root("sh -c 'readlink /proc/self/ns/net'") != link_of("/proc/self/ns/net") + "\n");
   CHECK(in_root("--online sh -c 'readlink /proc/self/ns/net'") == link_of("/proc/self/ns/net") + "\n");
   CHECK_THAT(in_root("sh -c 'ip link show lo; ip route'"),

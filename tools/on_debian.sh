@@ -23,8 +23,8 @@ while [ $# -gt 0 ]; do
     --for)
       purpose=${2:-}
       case "$purpose" in
-        flight | programs | tests | integration) ;;
-        *) refuse "--for '$purpose' is unknown; use flight, programs, tests or integration" ;;
+        flight | programs | tests | integration | packages) ;;
+        *) refuse "--for '$purpose' is unknown; use flight, programs, tests, integration or packages" ;;
       esac
       shift 2
       ;;

@@ -7,9 +7,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 name=${1:-debian$(. /etc/os-release && echo "$VERSION_ID")}
 packages=build-packages/$name
 rm -rf "$packages"
-tools/on_debian.sh "$name" --for programs --online tools/setup.sh
+tools/on_debian.sh "$name" --for packages --online tools/setup.sh
 mkdir -p "$packages"
-tools/on_debian.sh "$name" --for programs cpack --config build/CPackConfig.cmake -B "$packages"
+tools/on_debian.sh "$name" --for packages cpack --config build/CPackConfig.cmake -B "$packages"
 rm -rf "$packages/_CPack_Packages"
 [ "$(ls "$packages")" = "$(cd "$packages" && ls -d aloft_*.deb aloft-dev_*.deb)" ] ||
   { echo "tools/package_check.sh: not the packages aloft and aloft-dev: $(ls "$packages")" >&2; exit 1; }

@@ -7,6 +7,7 @@
 #   tools/setup.sh --for integration   likewise, and installs what only integration tests need
 #   tools/setup.sh --for lint          likewise, and installs what only tools/lint.sh needs
 #   tools/setup.sh --for fuzz          likewise, and installs what only tools/fuzz.sh needs
+#   tools/setup.sh --for packages      the programs, and installs what only cpack needs
 #   tools/setup.sh ... --install       only installs
 #   tools/setup.sh ... release | asan | tsan | fuzz [TARGET ...]    the kind of build; the targets to build, instead of all
 set -euo pipefail
@@ -20,6 +21,7 @@ declare -A groups_for=(
   [integration]="flight report tests integration"
   [lint]="flight report tests lint"
   [fuzz]="flight report tests fuzz"
+  [packages]="flight report packages"
 )
 purpose=programs
 install_only=""
@@ -27,7 +29,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --for)
       purpose=${2:-}
-      [ -n "${groups_for[${purpose:-none}]:-}" ] || refuse "--for '$purpose' is unknown; use flight, programs, tests, integration, lint or fuzz"
+      [ -n "${groups_for[${purpose:-none}]:-}" ] || refuse "--for '$purpose' is unknown; use flight, programs, tests, integration, lint, fuzz or packages"
       shift 2
       ;;
     --install) install_only=yes; shift ;;

@@ -4,13 +4,14 @@
 # before and after. It installs packages and makes a user: for a machine that is thrown away (tools/package_check.sh).
 #   tests/install/packages.sh FOLDER
 set -euo pipefail
+checkout=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 cd "$1"
 export DEBIAN_FRONTEND=noninteractive LANG=C.UTF-8
 work=$(mktemp -d)
 chmod 755 "$work"
 quietly() { "$@" > "$work/log" 2>&1 || { cat "$work/log"; echo "failed: $*"; exit 1; } >&2; }
 # What dpkg and apt keep about packages that they have removed is theirs.
-files() { find / -xdev \( -path /var/lib/dpkg -o -path /var/lib/apt -o -path /var/cache -o -path /var/log -o -path /home \
+files() { find / -xdev \( -path "$checkout" -o -path "$work" -o -path /var/lib/dpkg -o -path /var/lib/apt -o -path /var/cache -o -path /var/log -o -path /home \
   -o -name '*.pyc' \) -prune -o ! -type d -print | sort; }
 quietly apt-get -q update
 quietly apt-get -q install -y --no-install-recommends g++ cmake make  # what builds the example: there before and after

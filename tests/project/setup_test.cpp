@@ -101,7 +101,8 @@ TEST_CASE("an unsupported release and an unknown purpose are named with what is 
   scripts.use_packages();
   const Finished purpose = scripts.run("tools/setup.sh --for fun");
   CHECK(purpose.exit_code == 2);
-  CHECK_THAT(purpose.err, Contains("'fun'") && Contains("flight, programs, tests, integration, lint, fuzz or packages"));
+  CHECK_THAT(purpose.err,
+             Contains("'fun'") && Contains("flight, programs, tests, integration, lint, fuzz or packages"));
   CHECK(purpose.out.empty());
   for (const auto& [os_release, name] :
        {std::pair("ID=debian\nVERSION_ID=\"11\"\n", "'debian 11'"),

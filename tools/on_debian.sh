@@ -4,7 +4,7 @@
 # ~/.cache/aloft, and may be deleted at any time; a root is made from the mirror of this machine's apt.
 #   tools/on_debian.sh debian12 | debian13 [--for PURPOSE | --fresh] [--online] COMMAND ...
 #     --for PURPOSE   first installs the packages of this purpose (tools/setup.sh) [tests]
-#     --fresh         in a root of its own, as debootstrap makes it, which is deleted afterwards
+#     --fresh         in a root of its own, as debootstrap makes it, with empty build folders; all is deleted afterwards
 #     --online        in the machine's network
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -126,6 +126,7 @@ if [ -n "$fresh" ]; then
   trap 'exit 130' INT
   trap 'exit 143' TERM
   root=$folder/root
+  builds=$folder/builds
   make_root
   cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
 else

@@ -6,8 +6,8 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 name=${1:-debian$(. /etc/os-release && echo "$VERSION_ID")}
 packages=build-packages/$name
+tools/on_debian.sh "$name" --for packages --online tools/setup.sh  # refuses a release that it does not know
 rm -rf "$packages"
-tools/on_debian.sh "$name" --for packages --online tools/setup.sh
 mkdir -p "$packages"
 tools/on_debian.sh "$name" --for packages cpack --config build/CPackConfig.cmake -B "$packages"
 rm -rf "$packages/_CPack_Packages"

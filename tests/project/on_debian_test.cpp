@@ -140,6 +140,14 @@ TEST_CASE("a fresh root is deleted after its command, also when that fails", "[n
   if (!own_mounts()) return;
   const Machine machine;
   const fs::path roots = machine.cache() / "aloft/roots";
+  REQUIRE(machine.on("debian12 sh -c 'touch " + (roots / "debian12/checkout/build/used").string() + "'").exit_code ==
+          0);
+  const Finished build = machine.on("debian12 --fresh sh -c 'ls " + roots.string() + "/fresh.*/root/checkout/build'");
+  INFO(build.err);
+  CHECK(build.exit_code == 0);
+  CHECK(build.out.find("used") == std::string::npos);
+  fs::remove_all(roots);
+  fs::create_directories(roots);
   for (const char* code : {"0", "7"}) {
     const Finished finished = machine.on("debian13 --fresh sh -c 'ls -d " + roots.string() + "/*; exit " + code + "'");
     INFO(finished.err);

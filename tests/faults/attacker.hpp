@@ -29,13 +29,15 @@ class Attacker {
 
   void send(const bus::guard::testing::Bytes& datagram) const {
     constexpr int ports = 120;  // of both multicast sockets and of 54 participants; a process never uses one twice
-    for (int i = 0; i < ports; ++i) {
-      sockaddr_in to{};
-      to.sin_family = AF_INET;
-      to.sin_port = htons(static_cast<std::uint16_t>(first_port_ + i));
-      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      (void)sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-    }
+    for (int port = 0; port < ports; ++port) send_to(port, datagram);
+  }
+  /// To one port, counted from the first one of the domain.
+  void send_to(int port, const bus::guard::testing::Bytes& datagram) const {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(first_port_ + port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    (void)sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
   }
   /// Announces a participant that receives at our port, with all endpoints that discovery needs: from then on the
   /// processes listen to its writers.

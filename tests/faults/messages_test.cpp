@@ -1,10 +1,6 @@
 // Invalid messages, which no process of Aloft sends, into a running system: they are dropped and counted, and the run
 // ends with the same bytes as in one process.
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -17,6 +13,7 @@
 #include "common/bus/endpoint.hpp"
 #include "common/bus/testing/sample_limits.hpp"
 #include "common/store/result_store.hpp"
+#include "tests/faults/attacker.hpp"
 #include "tests/faults/effort.hpp"
 #include "tests/faults/fault_scene.hpp"
 #include "tests/faults/rogue.hpp"
@@ -134,10 +131,7 @@ class Pestered {
 /// Random bytes, and datagrams that begin like RTPS messages.
 class Garbage {
  public:
-  explicit Garbage(int domain) : first_port_(7400 + 250 * domain) {}
-  ~Garbage() { close(socket_); }
-  Garbage(const Garbage&) = delete;
-  Garbage& operator=(const Garbage&) = delete;
+  explicit Garbage(int domain) : attacker_(domain) {}
 
   void send(int datagrams) {
     constexpr int ports = 40;  // of both multicast sockets and of 14 processes
@@ -148,11 +142,7 @@ class Garbage {
         std::memcpy(bytes.data() + at, &word, std::min<std::size_t>(4, bytes.size() - at));
       }
       if (i % 2 == 1) look_like_rtps(bytes);
-      sockaddr_in to{};
-      to.sin_family = AF_INET;
-      to.sin_port = htons(static_cast<std::uint16_t>(first_port_ + i % ports));
-      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      (void)sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+      attacker_.send_to(i % ports, bytes);
     }
   }
 
@@ -173,8 +163,7 @@ class Garbage {
     }
   }
 
-  int socket_ = socket(AF_INET, SOCK_DGRAM, 0);
-  int first_port_;
+  Attacker attacker_;
   RandomStream random_{17, 0, "garbage"};
 };
 

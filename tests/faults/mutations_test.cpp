@@ -1,9 +1,4 @@
 // Datagrams that were captured from a run, then mutated, at the ports of another run: the same bytes as in one process.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
@@ -11,6 +6,7 @@
 #include <vector>
 
 #include "common/base/random.hpp"
+#include "tests/faults/attacker.hpp"
 #include "tests/faults/effort.hpp"
 #include "tests/faults/fault_scene.hpp"
 #include "tests/paths.hpp"
@@ -39,11 +35,7 @@ std::vector<Bytes> read_record(const std::filesystem::path& file) {
 /// Changes captured datagrams in one to four places, and sends them to the ports of all processes of a domain.
 class Mutations {
  public:
-  Mutations(std::vector<Bytes> captured, int domain)
-      : captured_(std::move(captured)), first_port_(7400 + 250 * domain) {}
-  ~Mutations() { close(socket_); }
-  Mutations(const Mutations&) = delete;
-  Mutations& operator=(const Mutations&) = delete;
+  Mutations(std::vector<Bytes> captured, int domain) : captured_(std::move(captured)), attacker_(domain) {}
 
   void send(int count) {
     constexpr int ports = 40;       // of both multicast sockets and of 14 processes
@@ -51,11 +43,7 @@ class Mutations {
     for (int i = 0; i < count; ++i) {
       Bytes bytes = any();
       for (std::uint32_t left = 1 + random_.uniform_index(4); left > 0; --left) mutate(bytes);
-      sockaddr_in to{};
-      to.sin_family = AF_INET;
-      to.sin_port = htons(static_cast<std::uint16_t>(first_port_ + i % ports));
-      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      (void)sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+      attacker_.send_to(i % ports, bytes);
       if (i % at_a_time == 0) std::this_thread::sleep_for(1ms);
     }
   }
@@ -98,8 +86,7 @@ class Mutations {
   }
 
   std::vector<Bytes> captured_;
-  int socket_ = socket(AF_INET, SOCK_DGRAM, 0);
-  int first_port_;
+  Attacker attacker_;
   RandomStream random_{29, 0, "mutations"};
 };
 

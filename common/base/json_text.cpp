@@ -59,7 +59,7 @@ class Cursor {
 };
 
 /// Checks the text while it is parsed: the finished value has only the last of two equal keys, and a value that is
-/// nested too deep could not even be destroyed safely.
+/// nested too deep could not even be destroyed safely. Makes -0.0 the 0.0 that it equals.
 class Watch {
  public:
   Watch(std::string_view text, std::string_view where, const std::size_t& bytes_read)
@@ -75,6 +75,7 @@ class Watch {
     if (event == Event::key && !open_.back().insert(parsed.get<std::string>()).second)
       refuse(
           fmt::format("the key {} stands twice in one object; keep one", plain_text(parsed.dump(), longest_key_shown)));
+    if (event == Event::value && parsed.is_number_float() && parsed == 0.0) parsed = 0.0;
     return true;
   }
 

@@ -56,6 +56,10 @@ TEST_CASE("keys keep their order") {
   CHECK(parse_json(R"({"b": 1, "a": [2, "ü"]})", "x").dump() == R"({"b":1,"a":[2,"ü"]})");
 }
 
+TEST_CASE("-0.0 is 0.0") {
+  CHECK(parse_json("[-0.0, {\"a\": -0e7}, -0, -0.5]", "x").dump() == "[0.0,{\"a\":0.0},0,-0.5]");
+}
+
 TEST_CASE("malformed JSON and doubled keys: where, line, column, why") {
   CHECK_THAT(refusal("{\n \"a\": 1,,\n}"), Contains("my.json: line 2, column 9: not valid JSON: "));
   CHECK_THAT(refusal("{\n \"a\": 1,\n \"a\": 2}"), Contains("my.json: line 3, column 4: the key \"a\" stands twice"));

@@ -101,6 +101,8 @@ TEST_CASE("agents: unknown, doubled, none, too many, contradictory") {
              Contains("agents[1]: unknown agent 'random-wlk'. Did you mean 'random-walk'?"));
   CHECK_THAT(message(with("random-walk", "min-height")),
              Contains("agents[1]") && Contains("\"min-height\" stands already at agents[0]"));
+  CHECK_THAT(message(with("\"random-walk\"", R"({"type": "height-filter", "se_change_sd": [0.0, -0.0]})")),
+             Contains("agents[1]") && Contains("\"height-filter-0\" stands already at agents[1]"));
   CHECK_THAT(message(with("[\"min-height\", \"random-walk\"]", "[]")), Contains("agents: [] is not allowed"));
   CHECK_THAT(message(with("[\"min-height\", \"random-walk\"]", "\"dqn\"")),
              Contains("agents: \"dqn\" is not allowed; use a list"));

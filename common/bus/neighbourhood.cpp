@@ -79,6 +79,11 @@ std::string introduction(const PeerData& peer) {
 
 }  // namespace
 
+void Neighbourhood::farewell(const rtps::GuidPrefix_t& participant) {
+  spdlog::debug("{} leaves", name_of(participant));
+  rediscovery_.left(participant);
+}
+
 void Neighbourhood::on_peer(Change change, const PeerData& peer) {
   const rtps::GuidPrefix_t& prefix = prefix_of(peer);
   if (change == Change::left) {

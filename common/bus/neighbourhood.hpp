@@ -33,6 +33,8 @@ class Neighbourhood : public PeerListener {
   /// The same by the id that the middleware writes in its log.
   [[nodiscard]] static std::string name_of(const std::string& participant);
 
+  /// A participant says that it leaves. The middleware does not hear of it: guard/datagram_guard.hpp.
+  void farewell(const rtps::GuidPrefix_t& participant);
   void on_peer(Change change, const PeerData& peer) override;
   void on_reader(dds::DomainParticipant& self, bool known, const rtps::GUID_t& reader,
                  const std::vector<rtps::octet>& user_data) override;

@@ -159,7 +159,12 @@ std::vector<std::string> Participant::absent(std::chrono::milliseconds patience)
 }
 
 Participant::State::State(const BusOptions& wanted)
-    : options(wanted), guard(std::make_shared<guard::DatagramGuard>(!wanted.discovery_server.empty())) {
+    : options(wanted),
+      guard(std::make_shared<guard::DatagramGuard>(!wanted.discovery_server.empty(), [this](const guard::Prefix& left) {
+        rtps::GuidPrefix_t prefix;
+        std::ranges::copy(left, prefix.value);
+        neighbourhood.farewell(prefix);
+      })) {
   if (options.domain < 0 || options.domain > max_domain)
     throw InputError("domain {} is out of range; allowed: 0 to {}", options.domain, max_domain);
   check_name("run", options.run);

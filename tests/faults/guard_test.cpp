@@ -113,6 +113,36 @@ TEST_CASE("a process counts what its guard refuses by reason, and goes on: secur
   }
 }
 
+/// Fails by the end of this program: without the rule of the guard, within a few rounds.
+TEST_CASE("participants that leave when their lease ends do not stop a process", "[guard]") {
+  using Clock = std::chrono::steady_clock;
+  bus::BusOptions place;
+  place.run = own_name("farewells");
+  place.domain = std::stoi(test_domain());
+  const bus::Participant victim(place);
+  const Attacker attacker(place.domain);
+  constexpr std::uint32_t participants = 200;
+  std::uint32_t next = 1'000'000;
+  for (int round = 0; round < effort(4, 100); ++round, next += participants) {
+    std::vector<Clock::time_point> announced;
+    for (std::uint32_t i = 0; i < participants; ++i) {
+      announced.push_back(Clock::now());
+      attacker.announce(prefix_of(next + i), 1);
+      std::this_thread::sleep_until(announced.front() + (i + 1) * 4ms);
+    }
+    for (std::uint32_t i = 0; i < participants; ++i) {
+      // The lease begins when the announcement is read, some ten microseconds after it was sent.
+      std::this_thread::sleep_until(announced.at(i) + 1s + (static_cast<int>(i % 10) - 5) * 50us);
+      attacker.send(datagram({farewell(true, prefix_of(next + i))}, prefix_of(next + i)));
+    }
+  }
+  place.process = "peer";
+  const bus::Participant peer(place);
+  bus::Writer<wire::WorkerStatus> writer(victim);
+  bus::Reader<wire::WorkerStatus> reader(peer);
+  CHECK(eventually(10s, [&] { return writer.matched() == 1 && reader.matched() == 1; }));
+}
+
 TEST_CASE("datagrams for known faults of the middleware neither stop processes nor make them grow", "[guard]") {
   const FaultScene scene(effort(40, 300));
   const std::string name = "attacked";

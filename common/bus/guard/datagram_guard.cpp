@@ -24,9 +24,18 @@ bool DatagramGuard::admit(std::span<const unsigned char> datagram, std::uint32_t
     const std::lock_guard lock(mutex_);
     reason = limits_.admit(address, claims, now);
   }
-  if (reason == Refusal::none) return true;
-  refuse(reason, address);
-  return false;
+  if (reason != Refusal::none) {
+    refuse(reason, address);
+    return false;
+  }
+  if (relayed_) return true;
+  bool is_farewell = false;
+  for (const Claims::Announcement& announcement : claims.announcements) {
+    if (!announcement.leaving) continue;
+    left_(announcement.participant);
+    is_farewell = true;
+  }
+  return !is_farewell;
 }
 
 void DatagramGuard::refuse(Refusal reason, std::uint32_t address) {

@@ -5,11 +5,13 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <string>
 #include <unordered_set>
+#include <utility>
 
 #include "common/bus/guard/sender_limits.hpp"
 #include "common/bus/middleware/receiving_transport.hpp"
@@ -20,18 +22,28 @@ namespace aloft::bus::guard {
 /// address.
 class DatagramGuard {
  public:
-  /// `relayed`: see SenderLimits.
-  explicit DatagramGuard(bool relayed) : limits_(relayed) {}
+  /// `relayed`: see SenderLimits. `left` is told each participant that says that it leaves, from any thread.
+  DatagramGuard(bool relayed, std::function<void(const Prefix&)> left)
+      : relayed_(relayed), limits_(relayed), left_(std::move(left)) {}
 
-  /// `address`: of the sender, as a number.
+  /// True if the middleware is to get it. `address`: of the sender, as a number.
+  ///
+  /// Fault of Fast DDS: the farewell of a participant that arrives in the microseconds in which the end of its lease is
+  /// checked makes an assertion fail (PDP::check_remote_participant_liveliness), which ends the process. It happens by
+  /// chance, and can be timed. Upstream: no issue is known; 2.9.1 and 3.1.2 have it. So the middleware gets no
+  /// farewells: what has left is forgotten when its lease ends, its readers and writers at once, as it says of each.
+  /// Not with a discovery server, whose clients know no lease but the server's. Can go when "participants that leave
+  /// when their lease ends" (tests/faults/guard_test.cpp) passes without it.
   [[nodiscard]] bool admit(std::span<const unsigned char> datagram, std::uint32_t address);
   [[nodiscard]] RefusalCounts refused() const noexcept;
 
  private:
   void refuse(Refusal reason, std::uint32_t address);
 
+  bool relayed_;
   std::mutex mutex_;
   SenderLimits limits_;
+  std::function<void(const Prefix&)> left_;
   std::unordered_set<std::uint32_t> told_;
   std::array<std::atomic<std::uint64_t>, refusal_names.size()> refused_{};
 };

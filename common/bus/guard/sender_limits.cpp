@@ -32,7 +32,7 @@ Refusal SenderLimits::admit(std::uint32_t address, const Claims& claims, Clock::
 Refusal SenderLimits::announce(std::uint32_t address, const Claims::Announcement& announcement, Clock::time_point now) {
   auto known = participants_.find(announcement.participant);
   if (announcement.leaving) {
-    if (known == participants_.end()) return Refusal::none;
+    if (!relayed_ || known == participants_.end()) return Refusal::none;
     --announced_[known->second.address];
     participants_.erase(known);
     return Refusal::none;

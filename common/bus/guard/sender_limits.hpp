@@ -27,8 +27,10 @@ class SenderLimits {
   static constexpr std::size_t max_pending = 256;
   static constexpr std::size_t max_pending_bytes = 256U << 20U;
 
-  /// `relayed`: a discovery server passes on the announcements of all participants, from its own address.
-  explicit SenderLimits(bool relayed) : per_address_(relayed ? max_participants : participants_per_address) {}
+  /// `relayed`: a discovery server passes on the announcements of all participants, from its own address, and the
+  /// middleware hears of it when one leaves. Otherwise it remembers each until its lease ends (DatagramGuard::admit).
+  explicit SenderLimits(bool relayed)
+      : relayed_(relayed), per_address_(relayed ? max_participants : participants_per_address) {}
 
   /// Whether a datagram from `address`, which passed check_datagram, is within the limits: Refusal::none, and its
   /// claims are remembered; or participants, pending, gap or rate.
@@ -66,6 +68,7 @@ class SenderLimits {
   [[nodiscard]] bool spend(std::uint32_t address, Clock::time_point now);
   [[nodiscard]] static Refusal claim(Participant& sender, const Claims& claims, Clock::time_point now);
 
+  bool relayed_;
   std::size_t per_address_;
   Clock::time_point swept_;
   std::unordered_map<Prefix, Participant, Hash> participants_;

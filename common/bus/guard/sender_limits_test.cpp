@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/bus/guard/datagram_guard.hpp"
 #include "common/bus/guard/testing/datagrams.hpp"
 
 namespace aloft::bus::guard {
@@ -54,7 +55,7 @@ TEST_CASE("24 workers of 5 processes that start at once on one host are admitted
   CHECK(limits.participants() == 150);
 }
 
-TEST_CASE("an address announces no more participants than a host can have, until some leave or fall silent") {
+TEST_CASE("an address announces no more participants than a host can have, until some fall silent") {
   SenderLimits limits(false);
   Clock::time_point now{};
   constexpr std::uint32_t most = SenderLimits::participants_per_address;
@@ -62,13 +63,12 @@ TEST_CASE("an address announces no more participants than a host can have, until
   CHECK(limits.admit(here, announced(most), now) == Refusal::participants);
   CHECK(limits.admit(here, announced(3), now) == Refusal::none);
   CHECK(limits.admit(elsewhere, announced(most), now) == Refusal::none);
-  REQUIRE(limits.admit(here, leaving(5), now) == Refusal::none);
-  CHECK(limits.admit(here, announced(most + 1), now) == Refusal::none);
-  CHECK(limits.admit(here, announced(most + 2), now) == Refusal::participants);
+  REQUIRE(limits.admit(here, leaving(5), now) == Refusal::none);  // the middleware does not hear of it
+  CHECK(limits.admit(here, announced(most + 1), now) == Refusal::participants);
   now += 1500ms;
   REQUIRE(limits.admit(here, from(3), now) == Refusal::none);
   now += 1s;
-  CHECK(limits.admit(here, announced(most + 2), now) == Refusal::none);
+  CHECK(limits.admit(here, announced(most + 1), now) == Refusal::none);
   CHECK(limits.participants() == 2);  // the one that was heard is still known
 }
 
@@ -79,9 +79,11 @@ TEST_CASE("100,000 forged participants from as many addresses are not all rememb
   CHECK(limits.participants() == SenderLimits::max_participants);
 }
 
-TEST_CASE("a discovery server announces all participants from its address") {
+TEST_CASE("a discovery server announces all participants from its address, and those that leave are forgotten") {
   SenderLimits limits(true);
   for (std::uint32_t i = 0; i < 1000; ++i) REQUIRE(limits.admit(here, announced(i), {}) == Refusal::none);
+  REQUIRE(limits.admit(here, leaving(5), {}) == Refusal::none);
+  CHECK(limits.participants() == 999);
 }
 
 TEST_CASE("unannounced senders are limited by address, others are not") {
@@ -135,6 +137,22 @@ TEST_CASE("a sender declares no more samples missing than one wide gap in 10 s")
   CHECK(limits.admit(here, wide, now) == Refusal::gap);
   now += 11s;
   CHECK(limits.admit(here, wide, now) == Refusal::none);
+}
+
+TEST_CASE("the middleware gets no farewell, except through a discovery server; it is told and no refusal") {
+  for (const bool little : {false, true})
+    for (const bool relayed : {false, true}) {
+      std::vector<Prefix> left;
+      DatagramGuard guard(relayed, [&](const Prefix& participant) { left.push_back(participant); });
+      const testing::Bytes come =
+          testing::datagram({testing::announcement(little, prefix_of(1), 20, [](testing::Out& /*out*/) {})});
+      const testing::Bytes go = testing::datagram({testing::farewell(little, prefix_of(1))});
+      CHECK(guard.admit(come, here));
+      CHECK(left.empty());
+      CHECK(guard.admit(go, here) == relayed);
+      CHECK(left == (relayed ? std::vector<Prefix>{} : std::vector{prefix_of(1)}));
+      CHECK(guard.refused() == RefusalCounts{});
+    }
 }
 
 }  // namespace aloft::bus::guard

@@ -44,23 +44,27 @@ void Rediscovery::heard(const Process& process, const std::string& name, Clock::
   peer.due = now + first_patience;
 }
 
-Rediscovery::Peer& Rediscovery::forget(const Process& process) {
-  Peer& peer = peer_of(process);
+void Rediscovery::forget(Peer& peer) {
   peer.gone = true;
   peer.due.reset();
   peer.writers.clear();
   peer.readers.clear();
-  return peer;
 }
 
 void Rediscovery::left(const Process& process) {
   const std::lock_guard lock(mutex_);
-  forget(process).silent_since.reset();
+  const auto at = peers_.find(process);
+  if (at == peers_.end()) return;
+  forget(at->second);
+  at->second.silent_since.reset();
 }
 
 void Rediscovery::fell_silent(const Process& process, Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  forget(process).silent_since = now;
+  Peer& peer = peer_of(process);
+  if (peer.gone) return;  // it has left
+  forget(peer);
+  peer.silent_since = now;
 }
 
 void Rediscovery::found(const Endpoint& endpoint, Kind kind) {

@@ -45,7 +45,7 @@ class Rediscovery {
   void heard(const Process& process, const std::string& name, Clock::time_point now);
   /// The process itself or the discovery server announced it.
   void left(const Process& process);
-  /// Its lease has expired.
+  /// Its lease has expired; later than it left, if it has.
   void fell_silent(const Process& process, Clock::time_point now);
   void found(const Endpoint& endpoint, Kind kind);
   void removed(const Endpoint& endpoint, Kind kind);
@@ -81,7 +81,7 @@ class Rediscovery {
     }
   };
   Peer& peer_of(const Process& process);
-  Peer& forget(const Process& process);
+  static void forget(Peer& peer);
 
   mutable std::mutex mutex_;
   std::map<Process, Peer> peers_;

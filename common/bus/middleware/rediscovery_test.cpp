@@ -146,6 +146,8 @@ TEST_CASE("absent are peers that are silent for a short time and not replaced, o
   SECTION("left") {
     scene.rediscovery.left(other);
     CHECK(scene.rediscovery.absent(10s, start + 1s).empty());
+    scene.rediscovery.fell_silent(other, start + 2s);  // the end of its lease
+    CHECK(scene.rediscovery.absent(10s, start + 2s).empty());
   }
 }
 

@@ -62,6 +62,7 @@ inline std::map<std::string, Bytes> good_datagrams(bool little) {
       {"announcement", datagram({announcement(little, prefix_of(1), 20, nothing)})},
       {"secured announcement",
        datagram({announcement(little, prefix_of(1), 20, [](Out& out) { parameter(out, 0x1001, good_token); })})},
+      {"farewell", datagram({farewell(little, prefix_of(1))})},
       {"endpoint", datagram({to, endpoint(little, nothing)})},
       {"liveliness", datagram({data(little, liveliness, 0, [](Out& out) { out.fill(16).u32(2).fill(2); })})},
       {"handshake", datagram({handshake(little, 1, good_token)})},

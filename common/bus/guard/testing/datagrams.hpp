@@ -146,6 +146,20 @@ inline Bytes announcement(bool little_endian, const Prefix& participant, std::ui
   });
 }
 
+/// Says that a participant leaves.
+inline Bytes farewell(bool little_endian, const Prefix& participant) {
+  const auto guid = [&](Out& value) { value.bytes({participant.begin(), participant.end()}).big_endian_u32(0x1c1); };
+  return submessage(0x15, little_endian, 2 | 8, [&](Out& out) {
+    out.u16(0).u16(16).big_endian_u32(0).big_endian_u32(announcements).sequence_number(2);
+    parameter(out, 0x70, guid);
+    parameter(out, 0x71, [](Out& value) { value.big_endian_u32(3); });
+    end_of_parameters(out);
+    out.u8(0).u8(2U + (out.little_endian() ? 1U : 0U)).u16(0);
+    parameter(out, 0x50, guid);
+    end_of_parameters(out);
+  });
+}
+
 struct Fragment {
   std::uint32_t first = 1;
   unsigned count = 1;

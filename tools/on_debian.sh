@@ -59,6 +59,7 @@ enter() {
   set -euo pipefail
   trap 'exit 130' INT
   trap 'exit 143' TERM
+  cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
   mount --bind "$root" "$root"  # in a root that is no mount, commands could not have mounts of their own
   mount -t proc proc "$root/proc"
   mount -t sysfs -o ro sys "$root/sys" 2> /dev/null || mount --rbind /sys "$root/sys"
@@ -128,7 +129,6 @@ if [ -n "$fresh" ]; then
   root=$folder/root
   builds=$folder/builds
   make_root
-  cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
 else
   exec 9> "$root.lock"
   flock 9
@@ -136,7 +136,6 @@ else
   [ ! -e "$unfinished" ] || rm -rf --one-file-system "$root"
   touch "$unfinished"
   [ -d "$root" ] || make_root
-  cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
   isolated bash -c 'enter "$@"' enter tools/setup.sh --for "$purpose" --install
   rm "$unfinished"
   exec 9>&-

@@ -106,7 +106,7 @@ ended() {
   for job in "$coordinator" "${workers}_1"; do scontrol update "JobId=$job" StartTime=now || true; done
   ! squeue --noheader --job "$coordinator,$workers" | grep -q .
 }
-wait_for 200 "the end of the sweep" ended
+wait_for 400 "the end of the sweep" ended
 
 "$ALOFT" run "$work/sweep.json" --in-process --out "$work/reference" > /dev/null 2>&1
 digest=$("$ALOFT" digest "$work/out")

@@ -336,7 +336,7 @@ class GeneratedType : public Generated {
 #else
   bool deserialize(rtps::SerializedPayload_t* payload, void* sample) final { return from_bytes(*payload, sample); }
   bool serialize(void* sample, rtps::SerializedPayload_t* payload) final { return to_bytes(sample, *payload); }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* sample) final {
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* sample) final {  // NOLINT: the name is the base's
     return [this, sample] { return room_for(sample); };
   }
 #endif

@@ -165,8 +165,9 @@ TEST_CASE("the programs accept every aloft command in the shell code of document
       words.front() = program;
       for (std::string& word : words)  // experiments of the reader's own
         if (word.ends_with(".json") && !fs::exists(source_dir() / word)) word = "data/experiments/quick.json";
-      const auto secure = std::find(words.begin(), words.end(), "--secure");
-      if (ALOFT_SECURED_RUNS == 0 && secure != words.end()) words.erase(secure, secure + 2);  // refused before all else
+      if (ALOFT_SECURED_RUNS == 0)  // refused before all else
+        if (const auto secure = std::ranges::find(words, "--secure"); secure != words.end())
+          words.erase(secure, secure + 2);
       words.emplace_back("--unheard-of");  // an unknown option, so that nothing runs; it is reported last
       const Finished finished = run_command(words);
       INFO(place(document, line.line) << line.text);

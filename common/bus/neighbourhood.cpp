@@ -86,10 +86,7 @@ void Neighbourhood::farewell(const rtps::GuidPrefix_t& participant) {
 
 void Neighbourhood::on_peer(Change change, const PeerData& peer) {
   const rtps::GuidPrefix_t& prefix = prefix_of(peer);
-  if (change == Change::left) {
-    spdlog::debug("{} leaves", introduction(peer));
-    rediscovery_.left(prefix);
-  }
+  if (change == Change::left) farewell(prefix);
   if (change == Change::silent) {
     spdlog::debug("{} is silent", introduction(peer));
     rediscovery_.fell_silent(prefix, Rediscovery::Clock::now());

@@ -33,7 +33,8 @@ class Neighbourhood : public PeerListener {
   /// The same by the id that the middleware writes in its log.
   [[nodiscard]] static std::string name_of(const std::string& participant);
 
-  /// A participant says that it leaves. The middleware does not hear of it: guard/datagram_guard.hpp.
+  /// A participant says that it leaves. Called by the guard, because the middleware does not hear of it
+  /// (guard/datagram_guard.hpp); with a discovery server on behalf of the middleware.
   void farewell(const rtps::GuidPrefix_t& participant);
   void on_peer(Change change, const PeerData& peer) override;
   void on_reader(dds::DomainParticipant& self, bool known, const rtps::GUID_t& reader,

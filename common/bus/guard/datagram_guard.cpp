@@ -28,7 +28,7 @@ bool DatagramGuard::admit(std::span<const unsigned char> datagram, std::uint32_t
     refuse(reason, address);
     return false;
   }
-  if (relayed_) return true;
+  if (limits_.relayed()) return true;
   bool is_farewell = false;
   for (const Claims::Announcement& announcement : claims.announcements) {
     if (!announcement.leaving) continue;

@@ -23,8 +23,7 @@ namespace aloft::bus::guard {
 class DatagramGuard {
  public:
   /// `relayed`: see SenderLimits. `left` is told each participant that says that it leaves, from any thread.
-  DatagramGuard(bool relayed, std::function<void(const Prefix&)> left)
-      : relayed_(relayed), limits_(relayed), left_(std::move(left)) {}
+  DatagramGuard(bool relayed, std::function<void(const Prefix&)> left) : limits_(relayed), left_(std::move(left)) {}
 
   /// True if the middleware is to get it. `address`: of the sender, as a number.
   ///
@@ -40,7 +39,6 @@ class DatagramGuard {
  private:
   void refuse(Refusal reason, std::uint32_t address);
 
-  bool relayed_;
   std::mutex mutex_;
   SenderLimits limits_;
   std::function<void(const Prefix&)> left_;

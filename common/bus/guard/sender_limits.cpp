@@ -41,7 +41,7 @@ Refusal SenderLimits::announce(std::uint32_t address, const Claims::Announcement
     const auto full = [&] {
       const auto announced = announced_.find(address);
       return participants_.size() >= max_participants ||
-             (announced != announced_.end() && announced->second >= per_address_);
+             (!relayed_ && announced != announced_.end() && announced->second >= participants_per_address);
     };
     if (full()) forget_silent(now);
     if (full()) return Refusal::participants;

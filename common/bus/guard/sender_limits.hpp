@@ -29,13 +29,13 @@ class SenderLimits {
 
   /// `relayed`: a discovery server passes on the announcements of all participants, from its own address, and the
   /// middleware hears of it when one leaves. Otherwise it remembers each until its lease ends (DatagramGuard::admit).
-  explicit SenderLimits(bool relayed)
-      : relayed_(relayed), per_address_(relayed ? max_participants : participants_per_address) {}
+  explicit SenderLimits(bool relayed) : relayed_(relayed) {}
 
   /// Whether a datagram from `address`, which passed check_datagram, is within the limits: Refusal::none, and its
   /// claims are remembered; or participants, pending, gap or rate.
   [[nodiscard]] Refusal admit(std::uint32_t address, const Claims& claims, Clock::time_point now);
 
+  [[nodiscard]] bool relayed() const noexcept { return relayed_; }
   [[nodiscard]] std::size_t participants() const noexcept { return participants_.size(); }
 
  private:
@@ -69,7 +69,6 @@ class SenderLimits {
   [[nodiscard]] static Refusal claim(Participant& sender, const Claims& claims, Clock::time_point now);
 
   bool relayed_;
-  std::size_t per_address_;
   Clock::time_point swept_;
   std::unordered_map<Prefix, Participant, Hash> participants_;
   std::unordered_map<std::uint32_t, std::size_t> announced_;  // participants by address

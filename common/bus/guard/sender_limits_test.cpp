@@ -3,7 +3,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "common/bus/guard/datagram_guard.hpp"
 #include "common/bus/guard/testing/datagrams.hpp"
 
 namespace aloft::bus::guard {
@@ -137,22 +136,6 @@ TEST_CASE("a sender declares no more samples missing than one wide gap in 10 s")
   CHECK(limits.admit(here, wide, now) == Refusal::gap);
   now += 11s;
   CHECK(limits.admit(here, wide, now) == Refusal::none);
-}
-
-TEST_CASE("the middleware gets no farewell, except through a discovery server; it is told and no refusal") {
-  for (const bool little : {false, true})
-    for (const bool relayed : {false, true}) {
-      std::vector<Prefix> left;
-      DatagramGuard guard(relayed, [&](const Prefix& participant) { left.push_back(participant); });
-      const testing::Bytes come =
-          testing::datagram({testing::announcement(little, prefix_of(1), 20, [](testing::Out& /*out*/) {})});
-      const testing::Bytes go = testing::datagram({testing::farewell(little, prefix_of(1))});
-      CHECK(guard.admit(come, here));
-      CHECK(left.empty());
-      CHECK(guard.admit(go, here) == relayed);
-      CHECK(left == (relayed ? std::vector<Prefix>{} : std::vector{prefix_of(1)}));
-      CHECK(guard.refused() == RefusalCounts{});
-    }
 }
 
 }  // namespace aloft::bus::guard

@@ -42,10 +42,14 @@ bool is_name_character(char c) {
   return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
 }
 
-void check_name(const std::string& name, const AgentType& type, std::string_view where) {
+void check_characters(const std::string& name, std::string_view where) {
   if (!is_agent_name(name))
     throw InputError("{}: agent name \"{}\" is not allowed; use 1 to {} characters of a-z, 0-9, '.', '-'", where,
                      excerpt(name), limits::name_bytes);
+}
+
+void check_name(const std::string& name, const AgentType& type, std::string_view where) {
+  check_characters(name, where);
   const AgentType* other = find_type(name);
   if (other != nullptr && other != &type)
     throw InputError(
@@ -205,6 +209,7 @@ std::vector<AgentSpec> parse_agents(const Json& entry, std::string_view where) {
   if (type == nullptr) refuse_unknown(type_name, fmt::format("{}.type", where));
   const bool name_given = object.contains("name");
   const std::string name = name_given ? take_text(object, "name", where) : type->name;
+  check_characters(name, where);  // before values that are swept become a part of it
   if (type->foreign && !name_given)
     throw InputError(
         "{}: an agent of type '{}' needs \"name\": the name under which the foreign program "

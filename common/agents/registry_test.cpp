@@ -92,6 +92,7 @@ TEST_CASE("wrong entries are refused with the reason and the nearest valid name"
   CHECK_THAT(reason(Json::object()), Contains("an object with \"type\""));
   CHECK_THAT(reason({{"type", 3}}), Contains("agents[2].type: 3 is not allowed; use a text"));
   CHECK_THAT(reason({{"type", "sample"}, {"name", "Mine!"}}), Contains("use 1 to 64 characters"));
+  CHECK_THAT(reason({{"type", "sample"}, {"name", ""}, {"gain_db", {1, 2}}}), Contains("use 1 to 64 characters"));
   CHECK_THAT(reason({{"type", "sample"}, {"name", std::string(65, 'a')}}), Contains("use 1 to 64 characters"));
   CHECK_THAT(reason({{"type", "sample"}, {"name", "min-height"}}), Contains("the name of another type"));
   CHECK_THROWS_WITH(agent_type("sampel"), Contains("Did you mean 'sample'?"));

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/radio/expected_field.hpp"
 #include "common/radio/generated_map.hpp"
 #include "common/radio/generated_world.hpp"
 #include "common/radio/line_of_sight.hpp"
@@ -45,6 +46,32 @@ void se_table(benchmark::State& state) {
   table(state, world_with(static_cast<double>(state.range(0)) / 10.0, 200.0, 3000.0));
 }
 BENCHMARK(se_table)->ArgName("bs_per_10_km2")->Arg(10)->Arg(25)->Arg(50)->Unit(benchmark::kMillisecond);
+
+/// The expected field of an exact site map, to compare with the SE table of the same city: 101 points x 21 heights. 1:
+/// among buildings that are drawn, too.
+void expected_field(benchmark::State& state) {
+  const Parameters world = world_with(static_cast<double>(state.range(0)) / 10.0, 200.0, 3000.0);
+  std::vector<radio::Survey> surveys;
+  for (std::uint32_t trial = 0; trial < trials; ++trial)
+    surveys.push_back(
+        *radio::make_generated_map(world, world::generate_city(world, seed, trial), seed, trial)->survey());
+  const world::Route route(world, world::generate_city(world, seed, 0));
+  std::uint32_t trial = 0;
+  std::vector<double> column(1 + static_cast<std::size_t>(200 / 10));
+  for ([[maybe_unused]] auto _ : state) {
+    const std::vector<world::Site>& sites = surveys[trial].map.sites;
+    radio::ExpectedField field =
+        state.range(1) == 0 ? radio::ExpectedField(world, sites) : radio::ExpectedField(world, sites, seed + 1, trial);
+    for (std::uint32_t point = 0; point <= route.steps(); ++point)
+      field.column(route.advance(point, route.start(), -1), column.data());
+    benchmark::DoNotOptimize(column.data());
+    trial = (trial + 1) % trials;
+  }
+}
+BENCHMARK(expected_field)
+    ->ArgNames({"bs_per_10_km2", "buildings"})
+    ->ArgsProduct({{10, 25, 50}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
 
 void se_table_by_bs_density(benchmark::State& state) {
   table(state, world_with(static_cast<double>(state.range(0)), 200.0, 3000.0));

@@ -23,9 +23,9 @@ install(CODE "
 # Component dev: the headers of common/agents/plugin.hpp and what they include, find_package(aloft), and the example.
 set(ALOFT_PLUGIN_HEADERS
     common/agents/agent.hpp common/agents/best_height.hpp common/agents/look.hpp common/agents/observation.hpp
-    common/agents/plugin.hpp common/agents/privilege.hpp common/agents/registry.hpp common/agents/state_archive.hpp
-    common/agents/steering.hpp common/base/error.hpp common/base/limits.hpp common/base/parameters.hpp
-    common/base/random.hpp common/radio/reading.hpp)
+    common/agents/plugin.hpp common/agents/privilege.hpp common/agents/registry.hpp common/agents/site_map.hpp
+    common/agents/state_archive.hpp common/agents/steering.hpp common/base/error.hpp common/base/limits.hpp common/base/parameters.hpp
+    common/base/random.hpp common/radio/reading.hpp common/world/world.hpp)
 foreach(header ${ALOFT_PLUGIN_HEADERS})
   get_filename_component(folder "${header}" DIRECTORY)
   install(FILES "${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/aloft/${folder}" COMPONENT dev)

@@ -13,6 +13,10 @@ std::optional<Introspection> showable(const std::optional<Introspection>& though
   return all_finite ? thoughts : std::nullopt;
 }
 
+void Agent::survey(const SiteMap& /*map*/) {
+  throw std::logic_error("an agent without the privilege was given the site map");
+}
+
 void Agent::foresee(const HeightProfile& /*profile*/) {
   throw std::logic_error("an agent without the privilege was shown quality that it has not measured");
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/agents/observation.hpp"
+#include "common/agents/site_map.hpp"
 
 namespace aloft::agents {
 
@@ -27,7 +28,7 @@ struct Command {
 };
 
 /// A height-control agent. One object flies one UAV at a time; calls alternate:
-/// begin, [foresee...], observe(step 0), act, [foresee...], observe(step 1), act, ... observe(last).
+/// begin, [survey | foresee...], observe(step 0), act, [survey | foresee...], observe(step 1), act, ... observe(last).
 /// An agent must be a pure function of these calls and its parameters: no clock, no global state.
 class Agent {
  public:
@@ -36,8 +37,12 @@ class Agent {
   /// Starts a new flight. The agent keeps memory of earlier flights only if its parameters say so.
   virtual void begin(const FlightInfo& flight) = 0;
 
-  /// For privileged agents only: future quality. Agents with privilege next_step get the profile of step j + 1 before
-  /// observe(j); those with whole_route get all profiles, in order, before observe(0).
+  /// For agents with privilege site_map only: the map, before the first report that the agent observes; and if the
+  /// route is told in parts (SiteMap::known.route_points), the route ahead before every later report but the last.
+  virtual void survey(const SiteMap& map);
+
+  /// For agents that see the future only: future quality. Agents with privilege next_step get the profile of step j + 1
+  /// before observe(j); those with whole_route get all profiles, in order, before observe(0).
   virtual void foresee(const HeightProfile& profile);
 
   /// Receives the report of a step. If this agent follows as a shadow, the executed action is another one's.

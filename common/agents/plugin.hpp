@@ -9,14 +9,15 @@
 namespace aloft::agents {
 
 /// The number of the plugin interface: rises with every change of the headers that plugins include.
-inline constexpr std::uint32_t plugin_interface = 1;
+inline constexpr std::uint32_t plugin_interface = 2;
 
 /// Differs between compilations that lay out the exchanged types differently: another standard library, its debug mode,
 /// or headers that were changed without a new number.
 inline constexpr std::uint64_t plugin_layout = [] {
   std::uint64_t hash = 0;
-  for (const std::size_t part : {sizeof(AgentType), sizeof(ParameterSpec), sizeof(Parameters), sizeof(FlightInfo),
-                                 sizeof(Observation), sizeof(HeightProfile), sizeof(Command), sizeof(Look)})
+  for (const std::size_t part :
+       {sizeof(AgentType), sizeof(ParameterSpec), sizeof(Parameters), sizeof(FlightInfo), sizeof(Observation),
+        sizeof(SiteMap), sizeof(HeightProfile), sizeof(Command), sizeof(Look)})
     hash = hash * 1009 + part;
 #ifdef _GLIBCXX_USE_CXX11_ABI
   hash = hash * 2 + _GLIBCXX_USE_CXX11_ABI;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::array tiers{
     PrivilegeTier{Privilege::none, "none", "", "what the UAV reports"},
+    PrivilegeTier{Privilege::site_map, "site-map", "+", "the site map and the route ahead"},
     PrivilegeTier{Privilege::next_step, "next-step", "*", "the next step at every height"},
     PrivilegeTier{Privilege::whole_route, "whole-route", "**", "the whole route at every height"},
 };

@@ -7,9 +7,15 @@
 
 namespace aloft::agents {
 
-/// How much of the future an agent sees, in ascending order. Each privilege has a row in privilege_tiers(), from which
-/// its names and marks are made everywhere.
-enum class Privilege : std::uint8_t { none, next_step, whole_route };
+/// What an agent knows beside the UAV's reports, in ascending order: nothing; the site map, as an operator has it;
+/// foresight of quality, which nobody has. Each privilege has a row in privilege_tiers(), from which its names and
+/// marks are made everywhere.
+enum class Privilege : std::uint8_t { none, site_map, next_step, whole_route };
+
+/// Whether an agent with this privilege is shown future quality (Agent::foresee).
+[[nodiscard]] constexpr bool foresees(Privilege privilege) noexcept {
+  return privilege >= Privilege::next_step;
+}
 
 /// The names and marks of a privilege.
 struct PrivilegeTier {

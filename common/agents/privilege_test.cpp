@@ -25,7 +25,9 @@ TEST_CASE("a mark follows the name, and is explained") {
   CHECK(marked("dqn", privilege_tier(Privilege::none)) == "dqn");
   CHECK(marked("one-step-ahead", privilege_tier(Privilege::next_step)) == "one-step-ahead *");
   CHECK(marked("planner", privilege_tier(Privilege::whole_route)) == "planner **");
-  CHECK(marks_explained() == "* sees the next step at every height, ** sees the whole route at every height");
+  CHECK(marks_explained() ==
+        "+ sees the site map and the route ahead, * sees the next step at every height, ** sees the whole route at "
+        "every height");
 }
 
 TEST_CASE("an agent has the privilege of its type, a relay the highest of its crew") {

@@ -20,10 +20,10 @@ AgentSpec one_agent(const Json& entry, const std::string& where) {
                      excerpt(entry.dump()));
   const AgentType& type = agent_type(specs.front().type);
   if (type.relay) throw InputError("{}: a relay cannot be part of a relay; list its crew here", where);
-  if (specs.front().privilege() != Privilege::none)
+  if (foresees(specs.front().privilege()))
     throw InputError(
         "{}: agent '{}' is privileged: it would have to be shown quality that was not measured, in the "
-        "middle of a flight; use agents without privilege (see aloft agents)",
+        "middle of a flight; use agents that do not see the future (see aloft agents)",
         where, specs.front().name);
   if (specs.front().lineages() > 0)
     throw InputError(

@@ -12,7 +12,8 @@ inline constexpr std::size_t json_depth = 32;  ///< objects and lists within eac
 
 inline constexpr std::size_t name_bytes = 64;
 inline constexpr std::size_t message_bytes = 512;
-inline constexpr std::size_t experiment_bytes = 1U << 20U;  ///< in canonical form
+inline constexpr std::size_t experiment_bytes = 1U << 20U;   ///< in canonical form
+inline constexpr std::size_t radio_json_bytes = 64U << 10U;  ///< parameters of a world
 inline constexpr std::size_t trace_bytes = 4U << 20U;
 inline constexpr std::size_t memory_bytes = 16U << 20U;  ///< that an agent keeps from flight to flight
 

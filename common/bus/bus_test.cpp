@@ -365,6 +365,8 @@ TEST_CASE("the largest valid samples are no larger than the guard lets pass in f
   measured.measured().throughput_kbps().resize(limits::cells);
   measured.measured().sinr_db().resize(limits::cells);
   measured.measured().serving_cell().resize(limits::cells);
+  measured.measured().sites().resize(limits::base_stations);
+  measured.measured().route().resize(limits::steps);
   CHECK(size(bus::GeneratedType<wire::WorldPubSubType>(), measured) <= bus::guard::largest_sample_bytes);
   wire::World city;
   city.agents().resize(limits::agents);
@@ -477,35 +479,52 @@ TEST_CASE("a sequence of AgentName has the bytes of a sequence of strings on the
   CHECK(std::search(payload.data, payload.data + payload.length, sequence.begin(), sequence.end()) != end);
 }
 
-TEST_CASE("the future stays in the privileged partition, and workers do not receive each other's samples") {
+/// The writer is in the partition of its topic; `elsewhere` is where a process of the same worker looks for the topic
+/// that has not joined this partition.
+template <class Sample, class PubSubType>
+void check_stays_in_its_partition(const Sample& good, const std::vector<bus::Scope>& elsewhere) {
   const bus::Participant channel(place("channel", "w0"));
-  const bus::Participant privileged(place("privileged", "w0"));
+  const bus::Participant allowed(place("allowed", "w0"));
   const bus::Participant other_worker(place("other", "w1"));
-  bus::Writer<wire::HeightProfile> profiles(channel);
-  bus::Reader<wire::HeightProfile> seer(privileged);
-  bus::Reader<wire::HeightProfile> stranger(other_worker);
-
-  // A process of the same worker that asks for the topic without having joined the privileged partition.
+  bus::Writer<Sample> writer(channel);
+  bus::Reader<Sample> reader(allowed);
+  bus::Reader<Sample> stranger(other_worker);
   const bus::Participant ordinary(place("ordinary", "w0"));
-  auto& entry = ordinary.state()->topic<wire::HeightProfilePubSubType>(bus::topic_settings<wire::HeightProfile>());
-  dds::DataReader* blind =
-      ordinary.state()->subscriber(bus::Scope::worker).create_datareader(entry.topic, dds::DATAREADER_QOS_DEFAULT);
-  REQUIRE(blind != nullptr);
+  auto& entry = ordinary.state()->topic<PubSubType>(bus::topic_settings<Sample>());
+  std::vector<dds::DataReader*> blind;
+  for (const bus::Scope scope : elsewhere) {
+    blind.push_back(ordinary.state()->subscriber(scope).create_datareader(entry.topic, dds::DATAREADER_QOS_DEFAULT));
+    REQUIRE(blind.back() != nullptr);
+  }
 
-  REQUIRE(eventually([&] { return profiles.matched() == 1 && seer.matched() == 1; }));
+  REQUIRE(eventually([&] { return writer.matched() == 1 && reader.matched() == 1; }));
+  Sample sent = good;
+  writer.write(sent);
+  Sample sample;
+  REQUIRE(take_within(reader, sample));
+  CHECK(writer.matched() == 1);
+  CHECK(stranger.matched() == 0);
+  CHECK_FALSE(stranger.take(sample));
+  for (dds::DataReader* one : blind) CHECK(one->get_unread_count() == 0);
+}
+
+TEST_CASE("the future stays in the privileged partition, and workers do not receive each other's samples") {
   wire::HeightProfile profile;
   profile.step(1);
   profile.height_min_m(40);
   profile.resolution_m(1);
   profile.qos().assign(201, 2.5);
-  profiles.write(profile);
-  wire::HeightProfile sample;
-  REQUIRE(take_within(seer, sample));
-  CHECK(sample.qos().size() == 201);
-  CHECK(profiles.matched() == 1);
-  CHECK(stranger.matched() == 0);
-  CHECK_FALSE(stranger.take(sample));
-  CHECK(blind->get_unread_count() == 0);
+  check_stays_in_its_partition<wire::HeightProfile, wire::HeightProfilePubSubType>(
+      profile, {bus::Scope::worker, bus::Scope::site_map});
+}
+
+TEST_CASE("the site map stays in the partition of those who may have it") {
+  wire::SiteMap map;
+  map.route().resize(100);
+  map.sites().resize(45);
+  map.radio_json() = {'{', '}'};
+  check_stays_in_its_partition<wire::SiteMap, wire::SiteMapPubSubType>(map,
+                                                                       {bus::Scope::worker, bus::Scope::privileged});
 }
 
 TEST_CASE("readers get the strongest live writer; the next one takes over when it dies") {

@@ -1,8 +1,14 @@
 #include "common/bus/convert.hpp"
 
 #include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+
+#include "common/base/json_text.hpp"
+#include "common/radio/generated_world.hpp"
 
 namespace aloft::bus {
 namespace {
@@ -14,9 +20,47 @@ consteval bool same(Ours ours, Theirs theirs) {
 
 // An enumerator has the same number in idl/flight.idl and in the domain.
 static_assert(same(agents::Action::down, wire::ACTION_DOWN) && same(agents::Action::hold, wire::ACTION_HOLD) &&
-              same(agents::Action::up, wire::ACTION_UP) && same(agents::Action::absolute, wire::ACTION_ABSOLUTE) &&
-              same(agents::Privilege::next_step, wire::PRIVILEGE_NEXT_STEP) &&
-              same(agents::Privilege::whole_route, wire::PRIVILEGE_WHOLE_ROUTE));
+              same(agents::Action::up, wire::ACTION_UP) && same(agents::Action::absolute, wire::ACTION_ABSOLUTE));
+
+constexpr std::array privileges{std::pair{agents::Privilege::none, wire::PRIVILEGE_NONE},
+                                std::pair{agents::Privilege::site_map, wire::PRIVILEGE_SITE_MAP},
+                                std::pair{agents::Privilege::next_step, wire::PRIVILEGE_NEXT_STEP},
+                                std::pair{agents::Privilege::whole_route, wire::PRIVILEGE_WHOLE_ROUTE}};
+
+wire::Position to_wire(const world::Position& position) {
+  wire::Position message;
+  message.x_m(position.x_m);
+  message.y_m(position.y_m);
+  return message;
+}
+
+void put(wire::MeasuredFlight& message, const world::MeasuredSites& known) {
+  message.sites().clear();
+  message.route().clear();
+  wire::MeasuredSite told;
+  for (const world::Site& site : known.sites) {
+    told.cell(site.cell);
+    told.x_m(site.position.x_m);
+    told.y_m(site.position.y_m);
+    told.azimuth_deg(site.azimuth_deg);
+    message.sites().push_back(told);
+  }
+  for (const world::Position& position : known.route) message.route().push_back(to_wire(position));
+  message.antenna_height_m(known.antenna_height_m);
+  message.power_w(known.power_w.value_or(0.0));
+  message.sectors(known.sectors);
+}
+
+world::MeasuredSites measured_sites(const wire::MeasuredFlight& message) {
+  world::MeasuredSites known;
+  for (const wire::MeasuredSite& site : message.sites())
+    known.sites.push_back({site.cell(), {site.x_m(), site.y_m()}, site.azimuth_deg()});
+  for (const wire::Position& position : message.route()) known.route.push_back({position.x_m(), position.y_m()});
+  known.antenna_height_m = message.antenna_height_m();
+  if (message.power_w() > 0.0) known.power_w = message.power_w();
+  known.sectors = message.sectors();
+  return known;
+}
 
 agents::Action from_wire(wire::Action action) {
   if (action > wire::ACTION_ABSOLUTE) throw std::logic_error("convert: this action is no command");
@@ -66,6 +110,37 @@ void put(wire::HeightProfile& message, const agents::HeightProfile& profile) {
   message.qos(profile.qos);
 }
 
+void put(wire::SiteMap& message, const agents::SiteMap& map) {
+  const bool update = !map.radio;
+  message.step(map.step);
+  message.update(update);
+  message.position_error_m(map.known.position_error_m);
+  message.missing(map.known.missing);
+  message.route_points(map.known.route_points);
+  message.route().clear();
+  for (const world::Position& position : map.route) {
+    wire::RoutePoint point;
+    point.x_m(position.x_m);
+    point.y_m(position.y_m);
+    message.route().push_back(point);
+  }
+  message.sites().clear();
+  message.radio_json().clear();
+  if (update) return;
+  message.radio_json(wire::bytes(map.radio->to_json().dump()));
+  wire::Site told;
+  told.antenna_height_m(map.radio->number("base_station_height_m"));
+  told.power_w(map.radio->number("tx_power_w"));
+  told.antenna(map.radio->text("bs_antenna") == "sector" ? wire::ANTENNA_SECTOR : wire::ANTENNA_ARRAY);
+  for (const world::Site& site : map.known.sites) {
+    told.cell(site.cell);
+    told.x_m(site.position.x_m);
+    told.y_m(site.position.y_m);
+    told.azimuth_deg(site.azimuth_deg);
+    message.sites().push_back(told);
+  }
+}
+
 void put(wire::World& message, const world::City& city) {
   message.kind(wire::WORLD_CITY);
   wire::City& target = message.city();
@@ -82,9 +157,10 @@ void put(wire::World& message, const world::City& city) {
   target.building_height_m(city.building_height_m);
 }
 
-void put(wire::World& message, const world::MeasuredFlight& flight) {
+void put(wire::World& message, const world::MeasuredWorld& measured) {
   message.kind(wire::WORLD_MEASURED);
   wire::MeasuredFlight& target = message.measured();
+  const world::MeasuredFlight& flight = measured.flight;
   target.height_min_m(flight.height_min_m);
   target.height_step_m(flight.height_step_m);
   target.heights(flight.heights);
@@ -93,6 +169,7 @@ void put(wire::World& message, const world::MeasuredFlight& flight) {
   target.throughput_kbps(flight.throughput_kbps);
   target.sinr_db(flight.sinr_db);
   target.serving_cell(flight.serving_cell);
+  if (measured.known) put(target, *measured.known);
 }
 
 agents::FlightInfo flight_info(const wire::ChannelReport& report) {
@@ -136,6 +213,21 @@ agents::HeightProfile profile(const wire::HeightProfile& message) {
   return {message.step(), message.height_min_m(), message.resolution_m(), message.qos()};
 }
 
+agents::SiteMap site_map(const wire::SiteMap& message) {
+  agents::SiteMap map;
+  map.step = message.step();
+  if (!message.update())
+    map.radio =
+        radio::resolve_generated_world(parse_json(wire::view(message.radio_json()), "radio_json"), "radio_json");
+  map.known.position_error_m = message.position_error_m();
+  map.known.missing = message.missing();
+  map.known.route_points = message.route_points();
+  for (const wire::Site& site : message.sites())
+    map.known.sites.push_back({site.cell(), {site.x_m(), site.y_m()}, site.azimuth_deg()});
+  for (const wire::RoutePoint& point : message.route()) map.route.push_back({point.x_m(), point.y_m()});
+  return map;
+}
+
 world::City city(const wire::World& message) {
   const wire::City& source = message.city();
   world::City city;
@@ -151,9 +243,10 @@ world::City city(const wire::World& message) {
   return city;
 }
 
-world::MeasuredFlight measured_flight(const wire::World& message) {
+world::MeasuredWorld measured_world(const wire::World& message) {
   const wire::MeasuredFlight& source = message.measured();
-  world::MeasuredFlight flight;
+  world::MeasuredWorld measured;
+  world::MeasuredFlight& flight = measured.flight;
   flight.height_min_m = source.height_min_m();
   flight.height_step_m = source.height_step_m();
   flight.heights = source.heights();
@@ -162,7 +255,8 @@ world::MeasuredFlight measured_flight(const wire::World& message) {
   flight.throughput_kbps = source.throughput_kbps();
   flight.sinr_db = source.sinr_db();
   flight.serving_cell = source.serving_cell();
-  return flight;
+  if (!source.sites().empty()) measured.known = measured_sites(source);
+  return measured;
 }
 
 wire::ProcessName to_wire(const ProcessName& process) {
@@ -179,11 +273,11 @@ ProcessName from_wire(const wire::ProcessName& process) {
 }
 
 wire::Privilege to_wire(agents::Privilege privilege) {
-  return static_cast<wire::Privilege>(privilege);
+  return std::ranges::find(privileges, privilege, [](const auto& pair) { return pair.first; })->second;
 }
 
 agents::Privilege from_wire(wire::Privilege privilege) {
-  return static_cast<agents::Privilege>(privilege);
+  return std::ranges::find(privileges, privilege, [](const auto& pair) { return pair.second; })->first;
 }
 
 }  // namespace aloft::bus

@@ -148,8 +148,8 @@ struct Participant::State {
   RediscoveryThread rediscovery{neighbourhood.rediscovery(), [this](const auto& question) { ask(question); },
                                 [this] { announce(); }};
   dds::DomainParticipant* participant = nullptr;
-  std::array<dds::Publisher*, 3> publishers{};
-  std::array<dds::Subscriber*, 3> subscribers{};
+  std::array<dds::Publisher*, 4> publishers{};
+  std::array<dds::Subscriber*, 4> subscribers{};
   std::map<std::string_view, TopicEntry> topics;
   std::vector<dds::DataReader*> readers;
 

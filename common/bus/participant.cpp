@@ -236,7 +236,8 @@ std::string Participant::State::partition(Scope scope) const {
   if (options.worker.empty())
     throw std::logic_error("bus: a process outside of a worker cannot use the topics inside a worker");
   name += "/" + options.worker;
-  return scope == Scope::worker ? name : name + "/privileged";
+  if (scope == Scope::worker) return name;
+  return name + (scope == Scope::site_map ? "/site-map" : "/privileged");
 }
 
 dds::Publisher& Participant::State::publisher(Scope scope) {

@@ -26,6 +26,7 @@ TEST_CASE("every topic names the roles that write and read it", "[permissions]")
     CHECK(topic_settings<wire::EpisodeStored>().writers.contain(role) == (role == Role::metrics));
     CHECK(topic_settings<wire::HeightCommand>().writers.contain(role) ==
           (role == Role::learning_agent || role == Role::baseline_agent));
+    CHECK(topic_settings<wire::SiteMap>().readers.contain(role) == (role == Role::baseline_agent));
     CHECK(topic_settings<wire::HeightProfile>().readers.contain(role) == (role == Role::baseline_agent));
     CHECK(role_from_text(to_text(role)) == role);
   }

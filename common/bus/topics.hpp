@@ -12,8 +12,9 @@ namespace aloft::bus {
 using security::Role;
 using security::Roles;
 
-/// Where a topic is received: in the whole run, in one worker, or by the agents of one worker that may see the future.
-enum class Scope { run, worker, privileged };
+/// Where a topic is received: in the whole run, in one worker, or by those agents of one worker that may have the site
+/// map, or that may see the future.
+enum class Scope { run, worker, site_map, privileged };
 
 /// What a row of the table of topics (topics.def) says beside the limits of a sample: every decision about a topic's
 /// quality of service. All topics are reliable and published synchronously.

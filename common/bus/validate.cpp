@@ -72,6 +72,23 @@ const char* city_error(const wire::City& city) noexcept {
   return nullptr;
 }
 
+/// What an operator knew of a measured flight.
+const char* measured_sites_error(const wire::MeasuredFlight& flight) noexcept {
+  if (flight.sites().empty()) return "measured.sites is empty, but route is not";
+  if (flight.sites().size() > limits::base_stations) return "measured.sites too long";
+  if (flight.route().size() != flight.steps()) return "measured.route is not steps long";
+  for (const wire::Position& position : flight.route())
+    if (!distance(position.x_m()) || !distance(position.y_m())) return "measured.route out of range";
+  for (const wire::MeasuredSite& site : flight.sites()) {
+    if (site.cell() < 0) return "measured.sites: cell out of range";
+    if (!distance(site.x_m()) || !distance(site.y_m())) return "measured.sites: position out of range";
+    if (!within(site.azimuth_deg(), -360.0, 360.0)) return "measured.sites: azimuth_deg out of range";
+  }
+  if (!height(flight.antenna_height_m())) return "measured.antenna_height_m out of range";
+  if (!amount(flight.power_w())) return "measured.power_w out of range";
+  return nullptr;
+}
+
 const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
   const std::uint64_t cells = std::uint64_t{flight.heights()} * flight.steps();
   if (flight.steps() < 1 || flight.steps() > limits::steps) return "measured.steps out of range";
@@ -86,13 +103,27 @@ const char* measured_error(const wire::MeasuredFlight& flight) noexcept {
     return "measured.serving_cell is not steps * heights long";
   if (!all(flight.throughput_kbps(), quality)) return "measured.throughput_kbps out of range";
   if (!all(flight.sinr_db(), level)) return "measured.sinr_db out of range";
-  return nullptr;
+  return flight.sites().empty() && flight.route().empty() ? nullptr : measured_sites_error(flight);
 }
 
 const char* agents_error(const std::vector<wire::AgentNews>& agents) noexcept {
   for (const wire::AgentNews& agent : agents) {
     if (!known(agent.state(), wire::AGENT_STOPPED)) return "unknown state of an agent";
     if (!amount(agent.silent_s())) return "silent_s of an agent out of range";
+  }
+  return nullptr;
+}
+
+const char* site_map_error(const wire::SiteMap& map) noexcept {
+  for (const wire::RoutePoint& point : map.route())
+    if (!distance(point.x_m()) || !distance(point.y_m())) return "route out of range";
+  for (const wire::Site& site : map.sites()) {
+    if (site.cell() < 0) return "cell of a site out of range";  // those of measured flights can be large
+    if (!distance(site.x_m()) || !distance(site.y_m())) return "position of a site out of range";
+    if (!height(site.antenna_height_m())) return "antenna_height_m of a site out of range";
+    if (!amount(site.power_w())) return "power_w of a site out of range";
+    if (!known(site.antenna(), wire::ANTENNA_SECTOR)) return "unknown antenna of a site";
+    if (!within(site.azimuth_deg(), -360.0, 360.0)) return "azimuth_deg of a site out of range";
   }
   return nullptr;
 }

@@ -50,7 +50,10 @@ std::size_t bound_of(const std::string& type, const std::string& name) {
                                                             {"sinr_db", limits::cells},
                                                             {"serving_cell", limits::cells},
                                                             {"neighbour_sinr_db", limits::neighbours},
-                                                            {"qos", limits::heights}};
+                                                            {"qos", limits::heights},
+                                                            {"route", limits::steps},
+                                                            {"sites", limits::base_stations},
+                                                            {"radio_json", limits::radio_json_bytes}};
   if (type == "sequence") return sequences.at(name);
   if (name == "experiment_id") return 16;
   const bool for_people =
@@ -89,6 +92,31 @@ TEST_CASE("the limits of measured flights") {
                              {"sinr_db", [](auto& s) { s.measured().sinr_db().push_back(1); }},
                              {"sinr_db", [](auto& s) { s.measured().sinr_db()[3] = nan; }},
                              {"serving_cell", [](auto& s) { s.measured().serving_cell({1}); }}});
+}
+
+TEST_CASE("the limits of what an operator knew of a measured flight") {
+  wire::World world = bus::testing::SampleLimits<wire::World>::good();
+  wire::MeasuredFlight& flight = world.measured();
+  world.kind(wire::WORLD_MEASURED);
+  flight.height_step_m(10);
+  flight.heights(1);
+  flight.steps(2);
+  flight.throughput_kbps({1, 2});
+  flight.sinr_db({1, 2});
+  flight.sites().resize(2);
+  flight.sites()[1].cell(2147483647);
+  flight.route().resize(2);
+  check<wire::World>(world,
+                     {{"sites is empty", [](auto& s) { s.measured().sites().clear(); }},
+                      {"sites too long", [](auto& s) { s.measured().sites().resize(limits::base_stations + 1); }},
+                      {"route", [](auto& s) { s.measured().route().clear(); }},
+                      {"route", [](auto& s) { s.measured().route().resize(3); }},
+                      {"route", [](auto& s) { s.measured().route()[1].x_m(nan); }},
+                      {"cell", [](auto& s) { s.measured().sites()[0].cell(-1); }},
+                      {"position", [](auto& s) { s.measured().sites()[1].y_m(2e6); }},
+                      {"azimuth_deg", [](auto& s) { s.measured().sites()[1].azimuth_deg(361); }},
+                      {"antenna_height_m", [](auto& s) { s.measured().antenna_height_m(infinity); }},
+                      {"power_w", [](auto& s) { s.measured().power_w(-1); }}});
 }
 
 TEST_CASE("the bounds in the IDL are those of the table of limits") {

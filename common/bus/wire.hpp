@@ -20,6 +20,7 @@ static_assert(Name::max_size == limits::name_bytes && Message::max_size == limit
 // fastddsgen makes scoped enumerations in one generation and unscoped ones in the other: both are wire::ACTION_UP here.
 using enum Action;
 using enum AgentState;
+using enum AntennaKind;
 using enum CollectorState;
 using enum Privilege;
 using enum QosKind;

@@ -72,7 +72,7 @@ std::vector<Axis> axes_of(const OrderedJson& world, const std::string& where) {
 }
 
 std::string as_text(const std::string& key, const Json& value) {
-  if (key == "file") return std::filesystem::path(value.get<std::string>()).filename().string();
+  if (key == "file" || key == "sites_file") return std::filesystem::path(value.get<std::string>()).filename().string();
   if (value.is_number_float()) return fmt::format("{}", value.get<double>());
   return value.is_string() ? value.get<std::string>() : value.dump();
 }

@@ -151,12 +151,18 @@ void check_agents(std::vector<agents::AgentSpec>& specs, const FileAccess& files
   }
 }
 
-/// An agent that plans the whole route needs a route that does not depend on the flight.
+/// The first agent that needs the site map; empty: none.
+std::string site_map_agent(const std::vector<agents::AgentSpec>& specs) {
+  const auto found = std::ranges::find(specs, agents::Privilege::site_map, &agents::AgentSpec::privilege);
+  return found == specs.end() ? "" : found->name;
+}
+
+/// An agent that plans the whole route, or has the site map, needs a route that does not depend on the flight.
 void check_routes(const Experiment& experiment) {
   for (const Condition& condition : experiment.conditions) {
     if (condition.kind != WorldKind::generated || condition.world.text("route") != "serving") continue;
     for (const agents::AgentSpec& spec : experiment.agents)
-      if (spec.privilege() == agents::Privilege::whole_route)
+      if (spec.privilege() == agents::Privilege::whole_route || spec.privilege() == agents::Privilege::site_map)
         throw InputError(
             "agent '{}' plans the whole route, but in condition \"{}\" route \"serving\" "
             "makes the route depend on the flight; use \"nearest\", or leave this agent out",
@@ -239,7 +245,8 @@ Experiment resolve(OrderedJson document, const Overrides& overrides, const FileA
   experiment.agents = agents_of(document);
   if (!overrides.agents.empty()) experiment.agents = chosen_agents(experiment.agents, overrides.agents);
   check_agents(experiment.agents, files);
-  experiment.conditions = expand_worlds(document, files);
+  experiment.conditions =
+      expand_worlds(document, {.always_read = files.always_read, .site_map_agent = site_map_agent(experiment.agents)});
   check_trials(experiment);
   check_routes(experiment);
   check_relays(experiment);

@@ -25,7 +25,8 @@ void anchor_value(OrderedJson& object, const std::string& key, const std::filesy
 }
 
 void anchor_world(OrderedJson& world, const std::filesystem::path& folder) {
-  if (world.is_object()) anchor_value(world, "file", folder);
+  if (!world.is_object()) return;
+  for (const char* key : {"file", "sites_file"}) anchor_value(world, key, folder);
 }
 
 void anchor_agent(OrderedJson& agent, const std::filesystem::path& folder) {

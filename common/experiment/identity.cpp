@@ -121,7 +121,7 @@ Json what_counts(const Json& canonical) {
   Json rest = canonical;
   rest.erase("description");
   for (Json& world : rest.at("worlds"))
-    for (const char* key : {"file", "name", "swept"}) world.erase(key);
+    for (const char* key : {"file", "sites_file", "name", "swept"}) world.erase(key);
   for (Json& agent : rest.at("agents")) forget_file(agent);
   return rest;
 }

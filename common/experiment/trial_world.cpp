@@ -1,14 +1,13 @@
 #include "common/experiment/trial_world.hpp"
 
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
-#include "common/base/digest.hpp"
-#include "common/base/read_file.hpp"
+#include "common/experiment/measured_files.hpp"
 #include "common/radio/generated_map.hpp"
 #include "common/radio/measured_map.hpp"
 #include "common/world/city.hpp"
-#include "common/world/measured_flight.hpp"
 
 namespace aloft::experiment {
 
@@ -16,25 +15,28 @@ world::City make_city(const Experiment& experiment, const Condition& condition, 
   return world::generate_city(condition.world, experiment.seed, trial);
 }
 
-world::MeasuredFlight read_measured_flight(const Condition& condition) {
-  const std::string& file = condition.world.text("file");
-  const std::string csv = read_file(file);
-  check_unchanged(file, csv, condition.world.text("file_sha256"),
-                  "use the original file on every machine, or start a new experiment");
-  return world::parse_measured_flight(csv, file);
+world::MeasuredWorld read_measured_world(const Condition& condition) {
+  constexpr std::string_view advice = "use the original file on every machine, or start a new experiment";
+  NamedFile file{condition.world.text("file"), condition.world.text("file_sha256")};
+  NamedFile sites{condition.world.text("sites_file"), condition.world.text("sites_file_sha256")};
+  world::LocatedFlight located = read_flight(file, advice);
+  world::MeasuredWorld measured;
+  if (!sites.path.empty()) measured.known = read_sites(sites, located, file.path, advice);
+  measured.flight = std::move(located.flight);
+  return measured;
 }
 
 TrialWorld make_world(const Experiment& experiment, const Condition& condition, std::uint32_t trial) {
-  if (condition.kind == WorldKind::measured) return read_measured_flight(condition);
+  if (condition.kind == WorldKind::measured) return read_measured_world(condition);
   return make_city(experiment, condition, trial);
 }
 
 std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment, const Condition& condition,
                                                   std::uint32_t trial, const TrialWorld& world) {
-  const auto* const flight = std::get_if<world::MeasuredFlight>(&world);
-  if ((condition.kind == WorldKind::measured) != (flight != nullptr))
+  const auto* const measured = std::get_if<world::MeasuredWorld>(&world);
+  if ((condition.kind == WorldKind::measured) != (measured != nullptr))
     throw std::runtime_error("the world is not of the condition's kind");
-  if (flight != nullptr) return radio::make_measured_map(*flight);
+  if (measured != nullptr) return radio::make_measured_map(measured->flight, measured->known);
   const auto& city = std::get<world::City>(world);
   if (std::cmp_less(city.base_stations.size(), condition.world.integer("min_base_stations")))
     throw std::runtime_error("the city has fewer base stations than the condition asks for");

@@ -6,6 +6,7 @@
 
 #include "common/experiment/experiment.hpp"
 #include "common/radio/signal_map.hpp"
+#include "common/world/measured_world.hpp"
 #include "common/world/world.hpp"
 
 namespace aloft::experiment {
@@ -13,12 +14,12 @@ namespace aloft::experiment {
 /// The city of one trial of a generated condition.
 [[nodiscard]] world::City make_city(const Experiment& experiment, const Condition& condition, std::uint32_t trial);
 
-/// The flight of a measured condition, the same in every trial. Throws InputError if the file cannot be read, or is not
-/// the one that the experiment was resolved with.
-[[nodiscard]] world::MeasuredFlight read_measured_flight(const Condition& condition);
+/// The flight of a measured condition, the same in every trial, with its base stations if the condition names them.
+/// Throws InputError if a file cannot be read, or is not the one that the experiment was resolved with.
+[[nodiscard]] world::MeasuredWorld read_measured_world(const Condition& condition);
 
 /// The world of a trial, without the radio.
-using TrialWorld = std::variant<world::City, world::MeasuredFlight>;
+using TrialWorld = std::variant<world::City, world::MeasuredWorld>;
 
 [[nodiscard]] TrialWorld make_world(const Experiment& experiment, const Condition& condition, std::uint32_t trial);
 

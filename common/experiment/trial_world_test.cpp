@@ -33,7 +33,7 @@ TEST_CASE("a signal map over a world that was passed in equals the trial's own")
 TEST_CASE("a world that cannot be one of the condition is refused") {
   const Experiment& experiment = test_experiment();
   const Condition& condition = experiment.conditions[0];
-  CHECK_THROWS_WITH(make_signal_map(experiment, condition, 0, world::MeasuredFlight()),
+  CHECK_THROWS_WITH(make_signal_map(experiment, condition, 0, world::MeasuredWorld()),
                     Contains("not of the condition's kind"));
   world::City city = make_city(experiment, condition, 0);
   city.base_stations.resize(8);

@@ -102,7 +102,7 @@ std::string named(const std::vector<std::string>& conditions) {
 std::optional<world::MeasuredFlight> readable_flight(const Condition& condition) {
   if (condition.kind == WorldKind::generated) return std::nullopt;
   try {
-    return read_measured_flight(condition);
+    return read_measured_world(condition).flight;
   } catch (const InputError&) {
     return std::nullopt;  // a flight over it reports the error
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "common/base/error.hpp"
+
 namespace aloft::flight {
 
 using agents::Action;
@@ -85,6 +87,30 @@ void Flight::profile(std::uint32_t step, agents::HeightProfile& into) const {
   into.resolution_m = map_.heights().resolution_m;
   into.qos.resize(column.size());
   for (std::size_t i = 0; i < column.size(); ++i) into.qos[i] = column[i].qos;
+}
+
+agents::SiteMap Flight::site_map(bool update) const {
+  const radio::Survey* survey = map_.survey();
+  if (survey == nullptr)
+    throw InputError(
+        "an agent with the site map needs base stations that are known, and nothing is known of those of this measured "
+        "flight; add a file sites.csv beside it, or leave this agent out");
+  if (!map_.fixed_route())
+    throw InputError(
+        "an agent with the site map needs a route that is known beforehand, but the route rule 'serving' makes it "
+        "depend on the flight; use the route rule 'nearest', or leave this agent out");
+  agents::SiteMap map;
+  map.step = observation_.step;
+  map.known = survey->map;
+  if (update)
+    map.known.sites.clear();
+  else
+    map.radio = survey->radio;
+  const std::uint32_t told = survey->map.route_points;
+  const std::uint32_t ahead = info_.steps - observation_.step;
+  for (std::uint32_t i = 1; i <= (told == 0 ? ahead : std::min(told, ahead)); ++i)
+    map.route.push_back(result_position(observation_.step + i));
+  return map;
 }
 
 void Flight::step(const agents::Command& command, std::string_view pilot) {

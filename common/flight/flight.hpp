@@ -62,11 +62,21 @@ class Flight {
   /// Whether the whole route is known before the flight.
   [[nodiscard]] bool fixed_route() const noexcept { return map_.fixed_route(); }
 
+  /// Whether an operator tells the route ahead step by step.
+  [[nodiscard]] bool route_told_in_parts() const {
+    const radio::Survey* survey = map_.survey();
+    return survey != nullptr && survey->map.route_points > 0;
+  }
+
   /// Privileged: quality over heights where the result of `step` will be read. Without a fixed route only the next step
   /// is known; for others it throws std::logic_error.
   [[nodiscard]] agents::HeightProfile profile(std::uint32_t step) const;
   /// The same, into memory that the caller reuses.
   void profile(std::uint32_t step, agents::HeightProfile& into) const;
+
+  /// What an operator knows at the present step. `update`: without the sites. InputError if nobody knows where the base
+  /// stations are, or if the route depends on the flight.
+  [[nodiscard]] agents::SiteMap site_map(bool update) const;
 
   /// Executes one command by `pilot`. Moves are clamped to the height limits; an absolute height is rounded to the
   /// map's grid and clamped. The caller has checked that the agent may use it. Throws std::logic_error after the last
@@ -96,6 +106,10 @@ class Flight {
   std::uint32_t level_ = 0;        // index into the map's height grid
   std::int32_t scored_cell_ = -1;  // the last known serving cell of a scored step; -1: none
 };
+
+/// What an agent with this privilege is to survey before it observes flight.observation(), if anything. `first`: it has
+/// observed no report of this flight yet. Throws InputError as Flight::site_map.
+[[nodiscard]] std::optional<agents::SiteMap> survey(const Flight& flight, agents::Privilege privilege, bool first);
 
 /// Calls `deliver` with each profile that an agent with this privilege may foresee before it observes
 /// flight.observation(): none, that of the next step, or, before the first command, those of all steps in order.

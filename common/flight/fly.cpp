@@ -9,9 +9,15 @@ namespace aloft::flight {
 
 using agents::Privilege;
 
+std::optional<agents::SiteMap> survey(const Flight& flight, Privilege privilege, bool first) {
+  if (privilege != Privilege::site_map || flight.finished()) return std::nullopt;
+  if (first) return flight.site_map(false);
+  return flight.route_told_in_parts() ? std::optional(flight.site_map(true)) : std::nullopt;
+}
+
 void foresee(const Flight& flight, Privilege privilege, agents::HeightProfile& buffer,
              const std::function<void(const agents::HeightProfile&)>& deliver) {
-  if (privilege == Privilege::none || flight.finished()) return;
+  if (!agents::foresees(privilege) || flight.finished()) return;
   const std::uint32_t next = flight.observation().step + 1;
   if (privilege == Privilege::whole_route && next > 1) return;  // already delivered
   if (privilege == Privilege::whole_route && !flight.fixed_route())
@@ -39,6 +45,7 @@ FlightRecord fly(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial,
   const auto deliver = [&agent](const agents::HeightProfile& profile) { agent.foresee(profile); };
   agent.begin(flight.info());
   while (true) {
+    if (const auto known = survey(flight, type.privilege, flight.observation().step == 0)) agent.survey(*known);
     foresee(flight, type.privilege, buffer, deliver);
     agent.observe(flight.observation());
     if (flight.finished()) return std::move(flight).record();

@@ -16,13 +16,16 @@ FlightRecord fly_relay(radio::SignalMap& map, std::uint64_t seed, std::uint32_t 
     const agents::Observation& report = flight.observation();
     for (std::size_t i = 0; i < relay.crew.size(); ++i) {
       const agents::CrewMember& member = relay.crew[i];
+      const agents::Privilege privilege = member.agent.privilege();
       if (member.from_step == 0)
         continue;  // a standby takes over only from an agent that fails, and none fails in this process
-      if (member.boards_at() == report.step) {
+      const bool boards = member.boards_at() == report.step;
+      if (boards) {
         aboard[i] = member.agent.make();
         aboard[i]->begin(flight.info());
       }
       if (!aboard[i]) continue;
+      if (const auto known = survey(flight, privilege, boards)) aboard[i]->survey(*known);
       aboard[i]->observe(report);
       if (!flight.finished()) commands[i] = aboard[i]->act();
     }

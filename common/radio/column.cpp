@@ -14,9 +14,10 @@ constexpr std::uint32_t lanes = Fading::lanes;
 
 }  // namespace
 
-ColumnBuilder::ColumnBuilder(const Scene& scene, const Fading& fading)
+ColumnBuilder::ColumnBuilder(const Scene& scene, const Fading& fading, const Assumptions& assumed)
     : scene_(scene),
       fading_(fading),
+      assumed_(assumed),
       heights_(scene.heights().size()),
       width_((heights_ + lanes - 1) / lanes * lanes),
       ranks_(scene.reported_stations()),
@@ -34,6 +35,20 @@ ColumnBuilder::ColumnBuilder(const Scene& scene, const Fading& fading)
 }
 
 std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position position) {
+  compute_sinrs(point, position);
+  return choose_serving();
+}
+
+void ColumnBuilder::sum_candidates(std::uint32_t point, world::Position position, double* efficiency) {
+  compute_sinrs(point, position);
+  std::vector<double>& sum = moving_;
+  sum.assign(heights_, 0.0);
+  for (std::uint32_t rank = 0; rank < scene_.serving_candidates(); ++rank)
+    for (std::uint32_t i = 0; i < heights_; ++i) sum[i] += sinr_[std::size_t{rank} * width_ + i];
+  spectral_efficiency_row(sum, efficiency);
+}
+
+void ColumnBuilder::compute_sinrs(std::uint32_t point, world::Position position) {
   scene_.look_around(position, around_);
   first_los_.assign(scene_.stations(), std::nullopt);
   power_known_.assign(scene_.stations(), 0);
@@ -43,10 +58,10 @@ std::vector<Reading> ColumnBuilder::build(std::uint32_t point, world::Position p
     rank_strongest();
   collect_slots();
   for (const std::uint32_t c : involved_) compute_sinr(point, c);
-  return choose_serving();
 }
 
 std::uint32_t ColumnBuilder::first_los(std::uint32_t k) {
+  if (assumed_.line_of_sight) return 0;
   auto& known = first_los_[k];
   if (!known) known = scene_.first_los(scene_.link_model().blocking_height_m(Scene::link(around_, k)));
   return *known;
@@ -129,9 +144,10 @@ void ColumnBuilder::compute_sinr(std::uint32_t point, std::uint32_t c) {
   std::size_t block_position = 0;
   for (const Slot& slot : slots_[c]) {
     while (blocks_[block_position] < slot.height / lanes) ++block_position;
-    sinr_[std::size_t{slot.rank} * width_ + slot.height] = power[slot.height] *
-                                                           fading[block_position * lanes + slot.height % lanes] /
-                                                           (scene_.model().noise_w + interference_w_[slot.height]);
+    const double interference_w = interference_w_[slot.height];
+    sinr_[std::size_t{slot.rank} * width_ + slot.height] =
+        power[slot.height] * fading[block_position * lanes + slot.height % lanes] /
+        (scene_.model().noise_w + interference_w) * (interference_w == 0.0 ? assumed_.undisturbed : 1.0);
   }
 }
 

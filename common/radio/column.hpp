@@ -13,9 +13,18 @@ namespace aloft::radio {
 /// Computes the readings over all heights at one ground position. Its working memory is reused between calls.
 class ColumnBuilder {
  public:
-  ColumnBuilder(const Scene& scene, const Fading& fading);
+  /// What is taken for granted instead of what the world has.
+  struct Assumptions {
+    bool line_of_sight = false;  ///< everywhere, whatever is in the way
+    double undisturbed = 1.0;    ///< factor of a SINR without any interference
+  };
+
+  ColumnBuilder(const Scene& scene, const Fading& fading) : ColumnBuilder(scene, fading, Assumptions{}) {}
+  ColumnBuilder(const Scene& scene, const Fading& fading, const Assumptions& assumed);
 
   [[nodiscard]] std::vector<Reading> build(std::uint32_t point, world::Position position);
+  /// efficiency[i] = log2(1 + sum of the SINRs of all stations that can serve), at every height of the scene.
+  void sum_candidates(std::uint32_t point, world::Position position, double* efficiency);
 
  private:
   /// A wanted SINR: that of the station with this rank by power at this height.
@@ -24,6 +33,7 @@ class ColumnBuilder {
     std::uint32_t rank;
   };
 
+  void compute_sinrs(std::uint32_t point, world::Position position);
   void rank_strongest();
   void rank_all();
   [[nodiscard]] bool may_be_among_strongest(std::uint32_t k);
@@ -37,6 +47,7 @@ class ColumnBuilder {
 
   const Scene& scene_;
   Fading fading_;
+  Assumptions assumed_;
   std::uint32_t heights_;
   std::uint32_t width_;  // heights_, rounded up to whole fading blocks: rows of all tables below
   std::uint32_t ranks_;

@@ -1,9 +1,11 @@
 #include "common/radio/generated_map.hpp"
 
 #include <map>
+#include <optional>
 
 #include "common/radio/column.hpp"
 #include "common/world/route.hpp"
+#include "common/world/site_map.hpp"
 
 namespace aloft::radio {
 namespace {
@@ -11,7 +13,10 @@ namespace {
 class GeneratedMap final : public SignalMap {
  public:
   GeneratedMap(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial)
-      : scene_(world, city, seed, trial),
+      : world_(world),
+        seed_(seed),
+        trial_(trial),
+        scene_(world, city, seed, trial),
         route_(world, city),
         builder_(scene_, Fading(scene_.model(), seed, trial)),
         columns_(route_.steps() + 1) {}
@@ -34,7 +39,20 @@ class GeneratedMap final : public SignalMap {
     return at->second;
   }
 
+  [[nodiscard]] const Survey* survey() override {
+    if (!survey_) {
+      std::vector<double> azimuth_deg;
+      for (const double half_turns : scene_.sector_azimuths()) azimuth_deg.push_back(180.0 * half_turns);
+      survey_ = {world_, world::draw_site_map(world_, scene_.city().base_stations, azimuth_deg, seed_, trial_)};
+    }
+    return &*survey_;
+  }
+
  private:
+  Parameters world_;
+  std::uint64_t seed_;
+  std::uint32_t trial_;
+  std::optional<Survey> survey_;
   Scene scene_;
   world::Route route_;
   ColumnBuilder builder_;

@@ -14,6 +14,7 @@
 #include "common/radio/radio_model.hpp"
 #include "common/world/city.hpp"
 #include "common/world/route.hpp"
+#include "common/world/site_map.hpp"
 
 namespace aloft::radio {
 namespace {
@@ -84,6 +85,7 @@ std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
   all.push_back(propagation_parameter());
   for (const LinkModelType& model : models) append(model.parameters);
   append(radio_parameters());
+  append(world::site_map_parameters());
   return all;
 }
 

@@ -10,24 +10,38 @@
 #include "common/radio/height_rows.hpp"
 
 namespace aloft::radio {
+namespace {
+
+std::vector<double> draw_azimuths(const Parameters& world, const world::City& city, std::uint64_t seed,
+                                  std::uint32_t trial) {
+  std::vector<double> azimuths;
+  if (RadioModel(world).bs_antenna != BsAntenna::sector) return azimuths;
+  RandomStream stream(seed, trial, "sector azimuth");
+  for (std::size_t k = 0; k < city.base_stations.size(); ++k) azimuths.push_back(stream.uniform(-1.0, 1.0));
+  return azimuths;
+}
+
+}  // namespace
 
 HeightGrid height_grid(const Parameters& world) {
   return {world.number("height_min_m"), world.number("height_max_m"), world.number("height_step_m"),
           world.number("height_resolution_m")};
 }
 
-Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial)
+Scene::Scene(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial)
+    : Scene(world, city, seed, trial, height_grid(world), draw_azimuths(world, city, seed, trial)) {}
+
+Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial,
+             const HeightGrid& heights, std::vector<double> sector_azimuths)
     : city_(std::move(city)),
       model_(world),
       link_model_(link_model_type(world.text("propagation")).make(world, city_, seed, trial)),
-      heights_(height_grid(world)) {
+      heights_(heights),
+      sector_azimuths_(std::move(sector_azimuths)) {
   if (city_.base_stations.size() > limits::base_stations)
     throw InputError("the city has {} base stations; at most {} are possible", city_.base_stations.size(),
                      limits::base_stations);
-  if (model_.bs_antenna != BsAntenna::sector) return;
-  RandomStream stream(seed, trial, "sector azimuth");
-  for (std::uint32_t k = 0; k < stations(); ++k) {
-    const double s = stream.uniform(-1.0, 1.0);  // azimuth pi s
+  for (const double s : sector_azimuths_) {
     const double sine_of_size = cos_pi(0.5 - std::fabs(s));
     sector_boresight_.push_back({cos_pi(s), s < 0.0 ? -sine_of_size : sine_of_size});
   }
@@ -37,17 +51,18 @@ void Scene::look_around(world::Position position, Surroundings& into) const {
   into.position = position;
   into.links.resize(stations());
   into.sector_covers.assign(stations(), 1);
-  for (std::uint32_t k = 0; k < stations(); ++k) {
-    const world::Position station = city_.base_stations[k];
-    Link& link = into.links[k];
-    link.dx_m = station.x_m - position.x_m;
-    link.dy_m = station.y_m - position.y_m;
-    link.distance_m = std::sqrt(link.dx_m * link.dx_m + link.dy_m * link.dy_m);
-    if (model_.bs_antenna != BsAntenna::sector) continue;
-    const world::Position boresight = sector_boresight_[k];
-    const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
-    into.sector_covers[k] = along_m > model_.bs_half_beam_cos * link.distance_m ? 1 : 0;
-  }
+  for (std::uint32_t k = 0; k < stations(); ++k) look_towards(city_.base_stations[k], k, into);
+}
+
+void Scene::look_towards(world::Position station, std::uint32_t k, Surroundings& around) const {
+  Link& link = around.links[k];
+  link.dx_m = station.x_m - around.position.x_m;
+  link.dy_m = station.y_m - around.position.y_m;
+  link.distance_m = std::sqrt(link.dx_m * link.dx_m + link.dy_m * link.dy_m);
+  if (model_.bs_antenna != BsAntenna::sector) return;
+  const world::Position boresight = sector_boresight_[k];
+  const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
+  around.sector_covers[k] = along_m > model_.bs_half_beam_cos * link.distance_m ? 1 : 0;
 }
 
 std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
@@ -62,7 +77,7 @@ std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
 void Scene::received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
                                std::span<const double> rise_m, std::size_t first_los, double* power_w) const {
   const LinkPlace place = link(around, k);
-  link_model_->mean_gain_row(place, false, height_m.first(first_los), power_w);
+  if (first_los > 0) link_model_->mean_gain_row(place, false, height_m.first(first_los), power_w);
   link_model_->mean_gain_row(place, true, height_m.subspan(first_los), power_w + first_los);
   radio::received_power_row(model_, place.distance_m, rise_m, power_w);
 }

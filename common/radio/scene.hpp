@@ -25,7 +25,10 @@ class Scene {
  public:
   /// `world`: every key of generated_world_parameters(). Keeps a copy of the city. InputError if it has
   /// more base stations than limits::base_stations.
-  Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial);
+  Scene(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial);
+  /// At other heights than the world's, with these azimuths of sector antennas, in half turns: azimuth / 180 degrees.
+  Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial, const HeightGrid& heights,
+        std::vector<double> sector_azimuths);
   Scene(const Scene&) = delete;  // the channel model refers to the city in here
   Scene& operator=(const Scene&) = delete;
 
@@ -33,6 +36,8 @@ class Scene {
   [[nodiscard]] const LinkModel& link_model() const noexcept { return *link_model_; }
   [[nodiscard]] const world::City& city() const noexcept { return city_; }
   [[nodiscard]] const HeightGrid& heights() const noexcept { return heights_; }
+  /// Per base station, in half turns; empty if they have no sector antennas.
+  [[nodiscard]] const std::vector<double>& sector_azimuths() const noexcept { return sector_azimuths_; }
   [[nodiscard]] std::uint32_t stations() const noexcept {
     return static_cast<std::uint32_t>(city_.base_stations.size());
   }
@@ -42,6 +47,8 @@ class Scene {
   }
 
   void look_around(world::Position position, Surroundings& into) const;
+  /// The link of station k alone, were it at `station`: from around.position.
+  void look_towards(world::Position station, std::uint32_t k, Surroundings& around) const;
 
   [[nodiscard]] static LinkPlace link(const Surroundings& around, std::uint32_t k) noexcept {
     return {around.position, k, around.links[k].distance_m};
@@ -70,6 +77,7 @@ class Scene {
   RadioModel model_;
   std::unique_ptr<const LinkModel> link_model_;
   HeightGrid heights_;
+  std::vector<double> sector_azimuths_;
   std::vector<world::Position> sector_boresight_;  // unit vectors, per base station
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/parameters.hpp"
 #include "common/radio/reading.hpp"
 #include "common/world/world.hpp"
 
@@ -23,6 +24,12 @@ struct HeightGrid {
     return static_cast<std::uint32_t>(std::lround(height_step_m / resolution_m));
   }
   [[nodiscard]] double height_m(std::uint32_t index) const noexcept { return height_min_m + resolution_m * index; }
+};
+
+/// What an operator knows before the flight.
+struct Survey {
+  Parameters radio;  ///< of the world: every key of generated_world_parameters()
+  world::SiteMap map;
 };
 
 /// All that a UAV can measure in one trial: readings over (route point, lateral position, height). Every agent of the
@@ -49,6 +56,9 @@ class SignalMap {
 
   /// The readings at every height of heights() at this place. The reference stays valid as long as the map.
   [[nodiscard]] virtual const std::vector<Reading>& column(std::uint32_t point, world::Position position) = 0;
+
+  /// Null if nobody knows where the base stations are. Valid as long as the map.
+  [[nodiscard]] virtual const Survey* survey() { return nullptr; }
 
   /// Computes every column now, if the whole route is known beforehand; else does nothing.
   void prepare();

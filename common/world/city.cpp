@@ -104,7 +104,6 @@ City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t tr
   City city;
   city.window_m = world.number("window_m");
   city.base_station_height_m = world.number("base_station_height_m");
-  city.building_width_m = world.number("building_width_m");
 
   RandomStream positions(seed, trial, "base station positions");
   city.base_stations.resize(base_station_count(world, seed, trial));
@@ -112,7 +111,13 @@ City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t tr
     station.x_m = positions.uniform(-0.5 * city.window_m, 0.5 * city.window_m);
     station.y_m = positions.uniform(-0.5 * city.window_m, 0.5 * city.window_m);
   }
+  draw_buildings(world, seed, trial, city);
+  return city;
+}
 
+void draw_buildings(const Parameters& world, std::uint64_t seed, std::uint32_t trial, City& city) {
+  city.window_m = world.number("window_m");
+  city.building_width_m = world.number("building_width_m");
   const double buildings = world.number("building_density_per_km2") * city.window_m * city.window_m / m2_per_km2;
   city.buildings_x = static_cast<std::uint32_t>(std::floor(std::sqrt(buildings)));
   city.buildings_y = city.buildings_x == 0 ? 0 : static_cast<std::uint32_t>(std::ceil(std::sqrt(buildings)));
@@ -120,7 +125,6 @@ City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t tr
   RandomStream heights(seed, trial, "building heights");
   city.building_height_m.resize(std::size_t{city.buildings_x} * city.buildings_y);
   for (double& height_m : city.building_height_m) height_m = distribution.height_m(heights.uniform());
-  return city;
 }
 
 }  // namespace aloft::world

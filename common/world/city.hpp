@@ -20,6 +20,10 @@ namespace aloft::world {
 /// InputError if there are more base stations than limits::base_stations, or if almost no draw has enough of them.
 [[nodiscard]] City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t trial);
 
+/// Draws the buildings of a trial anew: the grid and the heights of generate_city() with this seed and trial. Of the
+/// city, only its window and its buildings are touched.
+void draw_buildings(const Parameters& world, std::uint64_t seed, std::uint32_t trial, City& city);
+
 /// The probability that a Poisson draw of the number of base stations is at least min_base_stations.
 [[nodiscard]] double probability_of_enough_stations(const Parameters& world);
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
+#include "common/world/local_projection.hpp"
 #include "common/world/world.hpp"
 
 namespace aloft::world {
@@ -15,5 +17,14 @@ namespace aloft::world {
 /// gaps; the same evenly spaced heights at every step. `name` is the file's name in messages. Throws InputError
 /// "name:line:column: reason", where column counts characters from 1.
 [[nodiscard]] MeasuredFlight parse_measured_flight(std::string_view csv, std::string_view name);
+
+/// A measured flight, and where it was.
+struct LocatedFlight {
+  MeasuredFlight flight;
+  std::vector<GeoPosition> route;  ///< [step - 1]; the mean over the rows of a step; empty if not in the file
+};
+
+/// The same with the columns latitude and longitude.
+[[nodiscard]] LocatedFlight parse_located_flight(std::string_view csv, std::string_view name);
 
 }  // namespace aloft::world

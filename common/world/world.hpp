@@ -28,6 +28,21 @@ struct City {
   }
 };
 
+/// A base station as the operator's site map has it.
+struct Site {
+  std::int32_t cell = -1;  ///< its number in reports: Reading::serving_cell
+  Position position;
+  double azimuth_deg = 0.0;  ///< of its sector antenna, counterclockwise from +x; 0 if it has none
+};
+
+/// What an operator knows of a city: where the base stations are, with errors, and how large the errors are.
+struct SiteMap {
+  std::vector<Site> sites;         ///< by cell
+  double position_error_m = 0.0;   ///< standard deviation of the positions per axis
+  double missing = 0.0;            ///< share of the base stations that are not on the map
+  std::uint32_t route_points = 0;  ///< points of the route ahead that are told at a time; 0: all
+};
+
 /// A measured flight: the throughput and SINR that a UAV would have had at every height of every step.
 struct MeasuredFlight {
   double height_min_m = 0.0;

@@ -67,6 +67,7 @@ struct AgentHost {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_status - Clock::now());
       waiter.wait(std::max(left, std::chrono::milliseconds(0)));
       if (follower.update()) begin();
+      if (site_maps) site_maps->drain([this](const wire::SiteMap& map) { on_site_map(map); });
       if (profiles) profiles->drain([this](const wire::HeightProfile& profile) { on_profile(profile); });
       if (memories) memories->stored.drain([this](const wire::StoredMemory& memory) { on_memory(memory); });
       reports.drain([this](const wire::ChannelReport& report) { on_report(report); });
@@ -100,8 +101,10 @@ struct AgentHost {
     roles.push_back(role);
     spdlog::info("serves agent {}{}", spec.name, role.member == nullptr ? "" : " in the crew of " + role.entry->name);
     if (role.member != nullptr && !followed) followed.emplace(participant);
-    // Only a process that serves a privileged agent joins the partition of the height profiles: they show the future.
-    if (type.privilege != agents::Privilege::none && !profiles) {
+    // Only a process that serves an agent of this tier joins the partition of the site maps, or that of the height
+    // profiles, which show the future.
+    if (type.privilege == agents::Privilege::site_map && !site_maps) waiter.add(site_maps.emplace(participant));
+    if (agents::foresees(type.privilege) && !profiles) {
       profiles.emplace(participant);
       waiter.add(*profiles);
     }
@@ -134,6 +137,28 @@ struct AgentHost {
     request.trial(pilot.wanted_memory()->trial);
     request.agent(wire::name(pilot.spec().name));
     memories->requests.write(request);
+  }
+
+  void on_site_map(const wire::SiteMap& map) {
+    const auto at = seats.find(map.stream());
+    if (at == seats.end()) return early_map(map);
+    for (const std::unique_ptr<Seat>& seat : at->second) survey(*seat, map);
+  }
+
+  void survey(Seat& seat, const wire::SiteMap& map) {
+    if (agents::agent_type(seat.pilot.spec().type).privilege != agents::Privilege::site_map) return;
+    try {
+      seat.pilot.survey(map);
+    } catch (const std::exception& error) {
+      spdlog::warn("agent {}: dropped a site map: {}", seat.pilot.spec().name, error.what());
+    }
+    resume(seat);
+  }
+
+  /// Maps can arrive before the first report of a stream.
+  void early_map(const wire::SiteMap& map) {
+    constexpr std::size_t max_early = 64;  // the channel repeats the map with its report
+    if (early_maps.size() < max_early || early_maps.contains(map.stream())) early_maps[map.stream()] = map;
   }
 
   void on_profile(const wire::HeightProfile& profile) {
@@ -174,6 +199,8 @@ struct AgentHost {
       for (const std::unique_ptr<Seat>& seat : taken) seat->pilot.foresee(profile);
       return true;
     });
+    if (const auto map = early_maps.extract(report.stream()))
+      for (const std::unique_ptr<Seat>& seat : taken) survey(*seat, map.mapped());
     return seats[report.stream()] = std::move(taken);
   }
 
@@ -288,6 +315,7 @@ struct AgentHost {
   bus::Writer<wire::AgentStatus> statuses{participant};
   runtime::RunFollower follower{participant};
   bus::Reader<wire::ChannelReport> reports{participant};
+  std::optional<bus::Reader<wire::SiteMap>> site_maps;
   std::optional<bus::Reader<wire::HeightProfile>> profiles;
   std::optional<Memories> memories;
   std::optional<bus::Writer<wire::ReportFollowed>> followed;
@@ -296,7 +324,8 @@ struct AgentHost {
 
   std::shared_ptr<const experiment::Experiment> experiment;
   std::vector<Role> roles;
-  std::map<std::uint32_t, Seats> seats;  // by stream
+  std::map<std::uint32_t, Seats> seats;               // by stream
+  std::map<std::uint32_t, wire::SiteMap> early_maps;  // by stream
   std::vector<wire::HeightProfile> early;
 
   std::mutex finished_mutex;

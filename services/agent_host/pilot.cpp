@@ -19,6 +19,7 @@ void Task::run() noexcept try {
     memory.clear();
     agent->begin(*begins);
   }
+  if (map) agent->survey(*map);
   for (const agents::HeightProfile& profile : profiles) agent->foresee(profile);
   agent->observe(observation);
   if (!observation.last)
@@ -52,7 +53,7 @@ Pilot::Verdict Pilot::offer(const wire::ChannelReport& report) {
   const bool begins = !follows && boards_at(report.step());
   if (!follows && !begins) return report.step() < boarding_.first_step ? Verdict::nothing : unknown(report);
   const bool remembers = !begins || recall(report);
-  if (!remembers || !profiles_complete(report)) {
+  if (!remembers || !map_there(report, begins) || !profiles_complete(report)) {
     keep(report);
     return Verdict::nothing;
   }
@@ -75,6 +76,21 @@ bool Pilot::boards_at(std::uint32_t step) const noexcept {
   return boarding_.late ? step >= boarding_.first_step : step == boarding_.first_step;
 }
 
+void Pilot::survey(const wire::SiteMap& message) {
+  if (map_ && older(message.attempt(), map_attempt_)) return;
+  if (known_ && (older(message.attempt(), attempt_) || (message.attempt() == attempt_ && message.step() < expected_)))
+    return;  // the report that needed it has been handled
+  const bool whole_is_here = map_ && map_attempt_ == message.attempt() && map_->step == message.step() && map_->radio;
+  if (whole_is_here) return;
+  map_ = bus::site_map(message);
+  map_attempt_ = message.attempt();
+}
+
+bool Pilot::map_there(const wire::ChannelReport& report, bool begins) const {
+  if (type_.privilege != agents::Privilege::site_map || report.last() || (!begins && !route_in_parts_)) return true;
+  return map_ && map_attempt_ == report.attempt() && map_->step == report.step() && (map_->radio || !begins);
+}
+
 void Pilot::foresee(const wire::HeightProfile& message) {
   if (!profiles_.empty() && message.attempt() != profiles_attempt_) {
     if (older(message.attempt(), profiles_attempt_)) return;
@@ -89,7 +105,7 @@ void Pilot::foresee(const wire::HeightProfile& message) {
 }
 
 bool Pilot::profiles_complete(const wire::ChannelReport& report) const {
-  if (type_.privilege == agents::Privilege::none || report.last()) return true;
+  if (!agents::foresees(type_.privilege) || report.last()) return true;
   const bool whole_route = type_.privilege == agents::Privilege::whole_route;
   if (whole_route && report.step() > 0) return true;
   if (profiles_.empty() || profiles_attempt_ != report.attempt()) return false;
@@ -139,9 +155,15 @@ Pilot::Verdict Pilot::think(const wire::ChannelReport& report, bool begins) {
     recalled_.reset();
     handed_over_.memory().clear();
   }
+  task_.map.reset();
+  if (map_ && map_attempt_ == attempt_ && map_->step == report.step() && !report.last()) {
+    if (begins) route_in_parts_ = map_->known.route_points > 0;
+    if (begins || route_in_parts_) task_.map = std::move(map_);
+  }
+  map_.reset();
   task_.profiles.clear();
   for (auto& [step, profile] : profiles_)
-    if (profiles_attempt_ == attempt_ && type_.privilege != agents::Privilege::none && !report.last())
+    if (profiles_attempt_ == attempt_ && agents::foresees(type_.privilege) && !report.last())
       task_.profiles.push_back(std::move(profile));
   profiles_.clear();
   task_.observation = bus::observation(report);

@@ -23,6 +23,7 @@ struct Task {
   std::unique_ptr<agents::Agent> agent;  ///< made by run() if a flight begins
   std::string memory;  ///< before a flight: that of an earlier one, or empty; after it: what the agent will remember
   std::optional<agents::FlightInfo> begins;  ///< set if a new flight begins
+  std::optional<agents::SiteMap> map;
   std::vector<agents::HeightProfile> profiles;
   agents::Observation observation;
   std::optional<agents::Command> command;  ///< the result; none after the last report
@@ -45,7 +46,7 @@ class Pilot {
   Pilot(const agents::AgentSpec& spec, std::uint32_t stream, Boarding boarding = {});
 
   enum class Verdict : std::uint8_t {
-    nothing,    ///< a stale report, a repetition while its task runs, or a profile or memory is missing
+    nothing,    ///< a stale report, a repetition while its task runs, or a map, profile or memory is missing
     answer,     ///< send answer()
     think,      ///< run task(), then call finish()
     hand_over,  ///< send memory(): the flight is over, and the agent will need it later
@@ -57,11 +58,14 @@ class Pilot {
     bool operator==(const EarlierFlight&) const = default;
   };
 
-  /// Handles a report for this agent. While a task runs, and while a profile or a memory is missing, reports are kept
-  /// for resume().
+  /// Handles a report for this agent. While a task runs, and while a map, profile or memory is missing, reports are
+  /// kept for resume().
   Verdict offer(const wire::ChannelReport& report);
   /// Handles the reports that were kept, one per call; `nothing` when no more can be handled now.
   Verdict resume();
+  /// Takes a site map, which can arrive before or after the report that needs it; then call resume(). InputError if its
+  /// radio is no world's.
+  void survey(const wire::SiteMap& map);
   /// Takes a profile, which can arrive before or after the report that needs it; then call resume().
   void foresee(const wire::HeightProfile& profile);
   /// The flight whose memory the next flight needs to begin, if it is missing: to be requested whenever offer() or
@@ -88,6 +92,7 @@ class Pilot {
 
  private:
   [[nodiscard]] bool boards_at(std::uint32_t step) const noexcept;
+  [[nodiscard]] bool map_there(const wire::ChannelReport& report, bool begins) const;
   [[nodiscard]] bool profiles_complete(const wire::ChannelReport& report) const;
   /// True if the memory that the flight needs is there, or it needs none; else sets wanted_memory().
   bool recall(const wire::ChannelReport& report);
@@ -107,6 +112,9 @@ class Pilot {
   std::optional<EarlierFlight> recalled_;  // flight that memory_ belongs to
   std::string memory_;
   std::vector<wire::ChannelReport> kept_;
+  std::optional<agents::SiteMap> map_;  // the latest, of attempt map_attempt_
+  std::uint32_t map_attempt_ = 0;
+  bool route_in_parts_ = false;                              // of the flight that the agent knows
   std::map<std::uint32_t, agents::HeightProfile> profiles_;  // of attempt profiles_attempt_
   std::uint32_t profiles_attempt_ = 0;
   std::uint64_t episode_ = 0;

@@ -4,7 +4,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "common/base/error.hpp"
 #include "common/bus/convert.hpp"
+#include "common/flight/flight.hpp"
+#include "common/flight/testing/synthetic_map.hpp"
 
 namespace aloft::agent_host {
 namespace {
@@ -39,6 +42,20 @@ wire::HeightProfile profile(std::uint32_t attempt, std::uint32_t step) {
   message.height_min_m(40.0);
   message.resolution_m(10.0);
   message.qos({1.0, 2.0, 3.0, 2.0, 1.0});
+  return message;
+}
+
+/// Of a synthetic world with three steps, after `step`.
+wire::SiteMap site_map(std::uint32_t attempt, std::uint32_t step, std::uint32_t route_points = 0) {
+  flight::SyntheticMap world = flight::SyntheticMap::random(radio::QosKind::spectral_efficiency, 3, 5, 1);
+  world.tell_route_in_parts(route_points);
+  flight::Flight flight(world, 1, 0);
+  for (std::uint32_t i = 0; i < step; ++i) flight.step({}, "pilot");
+  wire::SiteMap message;
+  bus::put(message, flight.site_map(false));
+  message.stream(7);
+  message.episode_id(99);
+  message.attempt(attempt);
   return message;
 }
 
@@ -188,6 +205,59 @@ TEST_CASE("an agent that plans the route waits for all profiles once, whatever t
   pilot.foresee(profile(1, 2));  // sent again because the channel had asked twice
   REQUIRE(pilot.offer(report(1, 1)) == Verdict::think);
   CHECK(pilot.task().profiles.empty());
+}
+
+TEST_CASE("a report waits for the site map: the whole one for the first, none for later ones") {
+  const agents::AgentSpec agent = spec("site-planner");
+  Pilot pilot(agent, 7);
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);
+  pilot.survey(site_map(2, 0));  // of a flight that begins later
+  CHECK(pilot.resume() == Verdict::nothing);
+  pilot.survey(site_map(1, 0));  // older
+  CHECK(pilot.resume() == Verdict::nothing);
+  Pilot other(agent, 7);
+  CHECK(other.offer(report(1, 0)) == Verdict::nothing);
+  wire::SiteMap update = site_map(1, 0);
+  update.update(true);
+  update.sites().clear();
+  update.radio_json().clear();
+  other.survey(update);
+  CHECK(other.resume() == Verdict::nothing);  // the sites are missing
+  other.survey(site_map(1, 0));
+  other.survey(update);  // does not displace the whole map
+  REQUIRE(other.resume() == Verdict::think);
+  REQUIRE(other.task().map);
+  CHECK(other.task().map->known.sites.size() == 12);
+  think(other);
+  other.survey(site_map(1, 0));  // sent again, no longer needed
+  REQUIRE(other.offer(report(1, 1)) == Verdict::think);
+  CHECK_FALSE(other.task().map);
+}
+
+TEST_CASE("where the route is told in parts, every report but the last waits for its part") {
+  const agents::AgentSpec agent = spec("site-planner");
+  Pilot pilot(agent, 7);
+  pilot.survey(site_map(1, 0, 2));
+  REQUIRE(pilot.offer(report(1, 0)) == Verdict::think);
+  think(pilot);
+  CHECK(pilot.offer(report(1, 1)) == Verdict::nothing);
+  pilot.survey(site_map(1, 1, 2));
+  REQUIRE(pilot.resume() == Verdict::think);
+  CHECK(pilot.task().map->route.size() == 2);
+  think(pilot);
+  pilot.survey(site_map(1, 2, 2));
+  REQUIRE(pilot.offer(report(1, 2)) == Verdict::think);
+  think(pilot);
+  REQUIRE(pilot.offer(report(1, 3)) == Verdict::think);
+}
+
+TEST_CASE("a map whose radio is no world's is refused, and none of it is used") {
+  const agents::AgentSpec agent = spec("site-planner");
+  Pilot pilot(agent, 7);
+  wire::SiteMap map = site_map(1, 0);
+  map.radio_json(wire::bytes(R"({"tx_power_w": -3})"));
+  CHECK_THROWS_AS(pilot.survey(map), InputError);
+  CHECK(pilot.offer(report(1, 0)) == Verdict::nothing);
 }
 
 TEST_CASE("an agent with a memory hands it over after its flight, and needs it before the next one") {

@@ -444,12 +444,14 @@ struct Channel {
   bus::Reader<wire::EpisodeStored> stored{participant};
   bus::Reader<wire::RecordRefused> refused{participant};
   bus::Writer<wire::ChannelReport> reports{participant};
+  bus::Writer<wire::SiteMap> site_maps{participant};
   bus::Writer<wire::HeightProfile> profiles{participant};
   bus::Writer<wire::SwapReply> swap_replies{participant};
   bus::Writer<wire::EpisodeRecord> records{participant};
   bus::Writer<wire::WorkerStatus> statuses{participant};
   bus::Waiter waiter;
-  const Episode::Senders senders{[this](wire::HeightProfile& profile) { profiles.write(profile); },
+  const Episode::Senders senders{[this](wire::SiteMap& map) { site_maps.write(map); },
+                                 [this](wire::HeightProfile& profile) { profiles.write(profile); },
                                  [this](wire::ChannelReport& report) { reports.write(report); }};
 
   std::shared_ptr<const experiment::Experiment> experiment;

@@ -43,6 +43,9 @@ Episode::Episode(const EpisodeAddress& address, const agents::AgentSpec& agent, 
   bus::put(report_, flight_.info());
   report_.x_m(map.start().x_m);
   report_.y_m(map.start().y_m);
+  site_map_.stream(address_.stream);
+  site_map_.episode_id(address_.episode_id);
+  site_map_.attempt(address_.attempt);
   profile_.stream(address_.stream);
   profile_.episode_id(address_.episode_id);
   profile_.attempt(address_.attempt);
@@ -88,6 +91,7 @@ Episode::Outcome Episode::execute(const wire::HeightCommand& message, Clock::tim
   flight_.step(bus::command(message), pilot().name);
   silent_since_ = now;
   patience_ = patience;
+  whole_map_ = false;
   describe();
   if (crew_) {
     crew_->executed();
@@ -127,6 +131,7 @@ bool Episode::order(const SwapOrder& order, Clock::time_point now) {
 }
 
 void Episode::address_pilot(Clock::duration patience) {
+  whole_map_ = whole_map_ || report_.agent() != pilot().name;
   report_.agent(wire::name(pilot().name));
   patience_ = patience;
 }
@@ -155,6 +160,11 @@ void Episode::describe() {
 void Episode::ask(const Senders& send, Clock::time_point now) {
   repeat_at_ = now + patience_;
   patience_ = std::min<Clock::duration>(2 * patience_, crew_ ? relay_patience_limit : patience);
+  if (const auto map = flight::survey(flight_, privilege_, whole_map_)) {
+    bus::put(site_map_, *map);
+    send.site_map(site_map_);
+  }
+  whole_map_ = true;
   flight::foresee(flight_, privilege_, profile_buffer_, [&](const agents::HeightProfile& profile) {
     bus::put(profile_, profile);
     send.profile(profile_);

@@ -61,6 +61,7 @@ class Episode {
   [[nodiscard]] bool order_open() const noexcept { return crew_ && crew_->order_open(); }
 
   struct Senders {
+    std::function<void(wire::SiteMap&)> site_map;
     std::function<void(wire::HeightProfile&)> profile;
     std::function<void(wire::ChannelReport&)> report;
   };
@@ -101,6 +102,9 @@ class Episode {
   flight::Flight flight_;
   std::vector<std::uint8_t> memory_;
   wire::ChannelReport report_;
+  wire::SiteMap site_map_;
+  bool whole_map_ =
+      true;  // an update is not enough: it is the flight's first report, one sent again, or for another pilot
   wire::HeightProfile profile_;
   agents::HeightProfile profile_buffer_;
   Clock::time_point silent_since_;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/digest.hpp"
+#include "common/bus/validate.hpp"
 #include "common/flight/testing/synthetic_map.hpp"
 #include "services/channel/agent_directory.hpp"
 #include "services/channel/outbox.hpp"
@@ -26,7 +27,9 @@ struct Talk {
 
   void ask(Clock::time_point now = start) {
     profiles.clear();
-    episode.ask({[this](wire::HeightProfile& profile) { profiles.push_back(profile.step()); },
+    maps.clear();
+    episode.ask({[this](wire::SiteMap& sample) { maps.push_back(sample); },
+                 [this](wire::HeightProfile& profile) { profiles.push_back(profile.step()); },
                  [this](wire::ChannelReport& report) { last_report = report; }},
                 now);
   }
@@ -46,6 +49,7 @@ struct Talk {
   agents::AgentSpec spec;
   Episode episode;
   wire::ChannelReport last_report;
+  std::vector<wire::SiteMap> maps;
   std::vector<std::uint32_t> profiles;
 };
 
@@ -146,6 +150,48 @@ TEST_CASE("only privileged agents see the future, and only as much as they decla
   Talk route("planner", agents::Privilege::whole_route);
   route.ask();
   CHECK(route.profiles == std::vector<std::uint32_t>{1, 2, 3});
+  for (const Talk* talk : {&blind, &next, &route}) CHECK(talk->maps.empty());
+}
+
+TEST_CASE("only agents with the site map get it: with the first report, and with reports that are sent again") {
+  Talk talk("site-planner", agents::Privilege::site_map);
+  talk.ask();
+  REQUIRE(talk.maps.size() == 1);
+  const wire::SiteMap& map = talk.maps.front();
+  CHECK(map.stream() == 7);
+  CHECK(map.episode_id() == 99);
+  CHECK(map.attempt() == 4);
+  CHECK(map.step() == 0);
+  CHECK_FALSE(map.update());
+  CHECK(map.sites().size() == 12);
+  CHECK(map.route().size() == 3);
+  CHECK(talk.profiles.empty());
+  CHECK(talk.episode.accept(talk.command(1), start) == Outcome::stepped);
+  talk.ask();
+  CHECK(talk.maps.empty());  // it is known
+  talk.ask();
+  REQUIRE(talk.maps.size() == 1);
+  CHECK(talk.maps.front().step() == 1);
+  CHECK_FALSE(talk.maps.front().update());
+  CHECK(talk.maps.front().route().size() == 2);
+}
+
+TEST_CASE("a route told in parts: an update with every further report but the last") {
+  Talk talk("site-planner", agents::Privilege::site_map);
+  talk.map.tell_route_in_parts(2);
+  for (std::uint32_t step = 0; step <= 3; ++step) {
+    INFO("step " << step);
+    talk.ask();
+    REQUIRE(talk.maps.size() == (step < 3 ? 1 : 0));
+    if (step < 3) {
+      CHECK(talk.maps.front().step() == step);
+      CHECK(talk.maps.front().update() == (step > 0));
+      CHECK(talk.maps.front().sites().size() == (step > 0 ? 0 : 12));
+      CHECK(talk.maps.front().route().size() == std::min(2U, 3 - step));
+      CHECK(bus::validate(talk.maps.front()) == nullptr);
+      CHECK(talk.episode.accept(talk.command(step + 1), start) != Outcome::ignored);
+    }
+  }
 }
 
 TEST_CASE("records are sent again until they are confirmed") {

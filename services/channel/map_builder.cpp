@@ -11,7 +11,7 @@ namespace aloft::channel {
 namespace {
 
 experiment::TrialWorld trial_world(const wire::World& world) {
-  if (world.kind() == wire::WORLD_MEASURED) return bus::measured_flight(world);
+  if (world.kind() == wire::WORLD_MEASURED) return bus::measured_world(world);
   return bus::city(world);
 }
 

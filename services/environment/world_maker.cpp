@@ -42,7 +42,7 @@ void WorldMaker::fill(wire::World& world, const wire::TrialAssignment& assignmen
     return bus::put(world, experiment::make_city(experiment_, condition, assignment.trial()));
   auto flight = flights_.find(condition.index);
   if (flight == flights_.end())
-    flight = flights_.emplace(condition.index, experiment::read_measured_flight(condition)).first;
+    flight = flights_.emplace(condition.index, experiment::read_measured_world(condition)).first;
   bus::put(world, flight->second);
 }
 

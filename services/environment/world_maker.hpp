@@ -5,7 +5,7 @@
 
 #include "common/bus/wire.hpp"
 #include "common/experiment/experiment.hpp"
-#include "common/world/world.hpp"
+#include "common/world/measured_world.hpp"
 
 namespace aloft::environment {
 
@@ -22,7 +22,7 @@ class WorldMaker {
   void fill(wire::World& world, const wire::TrialAssignment& assignment);
 
   const experiment::Experiment& experiment_;
-  std::map<std::uint32_t, world::MeasuredFlight> flights_;  // by condition: read once
+  std::map<std::uint32_t, world::MeasuredWorld> flights_;  // by condition: read once
 };
 
 }  // namespace aloft::environment

@@ -25,7 +25,7 @@ Variable::~Variable() {
 FaultScene::FaultScene(int trials) : trials_(trials) {
   write_text(experiment(), R"({"name": "faults", "seed": 11, "trials": )" + std::to_string(trials) + R"(,
     "world": {"kind": "generated", "bs_density_per_km2": [1, 5], "steps": 20},
-    "agents": ["min-height", "random-walk", "one-step-ahead", "planner",
+    "agents": ["min-height", "random-walk", "one-step-ahead", "planner", "site-planner",
                {"type": "dqn", "epochs": 4, "hidden_width": 16},
                {"type": "dqn", "name": "lifelong", "epochs": 4, "hidden_width": 16, "memory": "lifelong",
                 "lineages": 4}]})");

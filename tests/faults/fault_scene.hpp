@@ -33,7 +33,7 @@ class FaultScene {
 
   [[nodiscard]] std::filesystem::path out(const std::string& name) const { return scratch_ / name; }
   [[nodiscard]] std::filesystem::path experiment() const { return scratch_ / "experiment.json"; }
-  [[nodiscard]] int flights() const { return 2 * 6 * trials_; }
+  [[nodiscard]] int flights() const { return 2 * 7 * trials_; }
   /// Digest of the flights in process.
   [[nodiscard]] const std::string& reference() const { return reference_; }
 

@@ -26,7 +26,7 @@ inline void use(const wire::HeightProfile& message) {
 }
 inline void use(const wire::World& message) {
   (void)bus::city(message);
-  (void)bus::measured_flight(message);
+  (void)bus::measured_world(message);
 }
 
 /// As a bus::Reader does with a payload that has arrived. Whether it was accepted.

@@ -113,6 +113,10 @@ void add_texts(Seeds& seeds) {
             "step,height_m,throughput_kbps,sinr_db,latitude,longitude,serving_cell,observed\n"
             "1,20,1e4,3.5,53.3,-6.2,7,1\n1,30,2e4,4.5,53.3,-6.2,8,0\n");
   seeds.add("measured_flight", "derived", "height_m,step,throughput_kbps\r\n20,1,29020\r\n30,1,76650\r\n");
+  seeds.add("measured_sites", "required", "cell,latitude,longitude,antenna_height_m\n7,53.341,-6.239,25\n");
+  seeds.add("measured_sites", "all-columns",
+            "azimuth_deg,power_w,cell,latitude,longitude,antenna_height_m\r\n120,40,270000001,53.34,-6.24,30\r\n"
+            "0,2e1,8,53.35,-6.2,18.5\r\n");
   const std::string workspace = importer::test::xdr_workspace({{"history", std::vector<double>{1.0}, true},
                                                                {"rate", std::vector<double>{46905.66, 0.1}},
                                                                {"level", std::vector<std::int32_t>{1, -7}},

@@ -26,12 +26,38 @@ namespace {
 
 const std::filesystem::path folder = aloft::test::source_dir() / "tests/golden";
 
-/// Every agent that flies in this process, the DQN with the options of the published code, and a relay in which a
-/// shadow takes over.
-experiment::Experiment golden_experiment() {
+experiment::Experiment golden_experiment(const Json& worlds, const Json& agents) {
+  const Json document{{"name", "golden"}, {"seed", 5}, {"trials", 2}, {"worlds", worlds}, {"agents", agents}};
+  return experiment::parse(document.dump(), "golden");
+}
+
+const Json city{{"kind", "generated"}, {"bs_density_per_km2", 5}, {"building_density_per_km2", 200}, {"steps", 24}};
+
+Json measured(const char* file) {
+  return {{"kind", "measured"}, {"file", (folder / file).string()}};
+}
+
+bool knows_the_map(const agents::AgentType& type) {
+  return type.privilege == agents::Privilege::site_map;
+}
+
+/// Agents with the site map. Their measured flight is that of the others, but has positions and base stations.
+experiment::Experiment golden_maps() {
+  Json wrong = city;
+  wrong.update(
+      {{"name", "wrong map"}, {"site_map_error_m", 25}, {"site_map_missing", 0.1}, {"site_map_route_points", 10}});
   Json agents = Json::array();
   for (const agents::AgentType& type : agents::agent_types())
-    if (!type.foreign && !type.relay) agents.push_back(type.name);
+    if (knows_the_map(type)) agents.push_back(type.name);
+  return golden_experiment({city, wrong, measured("surveyed.csv")}, agents);
+}
+
+/// Every other agent that flies in this process, the DQN with the options of the published code, and a relay in which a
+/// shadow takes over.
+experiment::Experiment golden_reports() {
+  Json agents = Json::array();
+  for (const agents::AgentType& type : agents::agent_types())
+    if (!type.foreign && !type.relay && !knows_the_map(type)) agents.push_back(type.name);
   agents.push_back({{"type", "dqn"},
                     {"name", "dqn-published"},
                     {"loss", "cross-entropy"},
@@ -40,15 +66,7 @@ experiment::Experiment golden_experiment() {
   agents.push_back({{"type", "relay"},
                     {"name", "relay"},
                     {"crew", {{{"agent", "random-walk"}}, {{"agent", "dqn"}, {"from_step", 13}}}}});
-  const Json document{
-      {"name", "golden"},
-      {"seed", 5},
-      {"trials", 2},
-      {"worlds",
-       {{{"kind", "generated"}, {"bs_density_per_km2", 5}, {"building_density_per_km2", 200}, {"steps", 24}},
-        {{"kind", "measured"}, {"file", (folder / "flight.csv").string()}}}},
-      {"agents", agents}};
-  return experiment::parse(document.dump(), "golden");
+  return golden_experiment({city, measured("flight.csv")}, agents);
 }
 
 std::string_view name_of(agents::Action action) {
@@ -113,8 +131,7 @@ bool trains(const agents::AgentSpec& spec) {
 }
 
 /// Flies again all agents that train networks in flight, or all others.
-void check_golden_flights(bool trained_in_flight) {
-  const experiment::Experiment experiment = golden_experiment();
+void check_golden_flights(const experiment::Experiment& experiment, bool trained_in_flight) {
   for (const agents::AgentSpec& spec : experiment.agents) {
     if (trains(spec) != trained_in_flight) continue;
     const std::filesystem::path file = golden_file(spec.name);
@@ -132,18 +149,20 @@ void check_golden_flights(bool trained_in_flight) {
 }  // namespace
 
 TEST_CASE("every agent flies its golden flights again, byte for byte") {
-  check_golden_flights(false);
+  check_golden_flights(golden_reports(), false);
+  check_golden_flights(golden_maps(), false);
 }
 
 TEST_CASE("agents that train networks fly their golden flights again, byte for byte", "[needs-avx2]") {
   if (learn::available_paths().back() == learn::Path::portable)
     return test::skip("this CPU has no AVX2 with FMA, and the portable code rounds differently");
-  check_golden_flights(true);
+  check_golden_flights(golden_reports(), true);
 }
 
 TEST_CASE("every golden file belongs to an agent") {
   std::set<std::filesystem::path> expected;
-  for (const agents::AgentSpec& spec : golden_experiment().agents) expected.insert(golden_file(spec.name));
+  for (const experiment::Experiment& experiment : {golden_reports(), golden_maps()})
+    for (const agents::AgentSpec& spec : experiment.agents) expected.insert(golden_file(spec.name));
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".txt") {
       INFO(entry.path().string() << ": no such agent any more; delete it");
@@ -153,7 +172,7 @@ TEST_CASE("every golden file belongs to an agent") {
 
 // Runs only when asked for by name.
 TEST_CASE("write the golden flights anew", "[.regenerate]") {
-  const experiment::Experiment experiment = golden_experiment();
-  for (const agents::AgentSpec& spec : experiment.agents)
-    write_file(golden_file(spec.name), golden_text(experiment, spec));
+  for (const experiment::Experiment& experiment : {golden_reports(), golden_maps()})
+    for (const agents::AgentSpec& spec : experiment.agents)
+      write_file(golden_file(spec.name), golden_text(experiment, spec));
 }

@@ -128,6 +128,21 @@ TEST_CASE("an unreadable or ill-formed CSV is refused with line, column and reas
   CHECK_THAT(refused(measured).err, Contains("height_m"));
 }
 
+TEST_CASE("an agent with the site map over a measured flight without base stations is refused before anything flies") {
+  const ScratchDir scratch;
+  const std::string csv = (scratch / "flight.csv").string();
+  write_text(csv, "step,height_m,throughput_kbps\n1,20,100\n1,30,100\n");
+  const std::string measured = R"({"name": "m", "trials": 1, "world": {"kind": "measured", "file": ")" + csv +
+                               R"("}, "agents": ["min-height", "site-planner"]})";
+  const std::string sites = (scratch / "sites.csv").string();
+  CHECK_THAT(refused(measured).err, Contains((scratch / "flight.sites.csv").string() + " or " + sites) &&
+                                        Contains("is missing; add it") && Contains("leave 'site-planner' out"));
+  write_text(sites, "cell,latitude,longitude,antenna_height_m\n1,53,-6,3O\n");
+  CHECK_THAT(refused(measured).err, Contains("latitude and longitude"));
+  write_text(csv, "step,height_m,throughput_kbps,latitude,longitude\n1,20,100,53,-6\n1,30,100,53,-6\n");
+  CHECK_THAT(refused(measured).err, Contains(sites + ":2:9: antenna_height_m is '3O'"));
+}
+
 TEST_CASE("an experiment file that is not there is refused") {
   const Finished finished = run_command({"aloft", "run", "no-such-file.json"});
   CHECK(finished.exit_code == 2);

@@ -188,6 +188,25 @@ TEST_CASE("what an agent remembers from trial to trial is the same in process, o
   }
 }
 
+TEST_CASE("site-planner flies the same over a measured flight, with its base stations sent to a worker or not") {
+  const Scene scene;
+  std::string csv = "step,height_m,throughput_kbps,latitude,longitude,serving_cell\n";
+  for (int step = 1; step <= 20; ++step)
+    for (int height_m = 20; height_m <= 80; height_m += 10)
+      csv += std::to_string(step) + "," + std::to_string(height_m) + "," + std::to_string(90'000 - 500 * height_m) +
+             "," + std::to_string(53.34 + 1e-4 * step) + ",-6.24,270000001\n";
+  write_text(scene.scratch / "flight.csv", csv);
+  write_text(scene.experiment, R"({"name": "sites", "trials": 2, "agents": ["min-height", "site-planner"],
+    "world": {"kind": "measured", "file": "flight.csv"}})");
+  write_text(scene.scratch / "flight.sites.csv",
+             "cell,latitude,longitude,antenna_height_m,power_w,azimuth_deg\n270000001,53.343,-6.235,25,20,270\n"
+             "270000002,53.339,-6.246,18,40,30\n");
+  const std::string reference = scene.digest("in-process", {"--in-process"});
+  CHECK(scene.digest("worker", {"--workers", "1"}) == reference);
+  const Json resolved = Json::parse(read_text(scene.scratch / "worker" / "experiment.json"));
+  CHECK_THAT(resolved.dump(), Contains("flight.sites.csv"));
+}
+
 TEST_CASE("a finished run leaves summary, table, logs and the resolved experiment; running it again only reports") {
   const Scene scene;
   const Finished first = run_command(scene.command("run", {"--workers", "1"}), std::chrono::seconds(120));

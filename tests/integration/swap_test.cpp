@@ -253,7 +253,8 @@ TEST_CASE("a relay with given steps: the same bytes in process, over the bus, an
   const Scene scene(experiment_text("restart", 3, 60, R"([{"agent": "min-height"},
     {"agent": {"type": "dqn", "epochs": 40}, "from_step": 21},
     {"agent": {"type": "dqn", "epochs": 40, "name": "cold"}, "from_step": 41, "shadow": false},
-    {"agent": "constant-80", "from_step": 51}])"));
+    {"agent": "constant-80", "from_step": 51},
+    {"agent": "site-planner", "from_step": 54}])"));
   const std::string reference = scene.digest("in-process", {"--in-process"});
   CHECK(reference.size() == 65);
   for (const auto& flight : scene.pilots("in-process")) {
@@ -262,7 +263,8 @@ TEST_CASE("a relay with given steps: the same bytes in process, over the bus, an
     CHECK(flight[20] == "dqn");
     CHECK(flight[40] == "cold");
     CHECK(flight[50] == "constant-80");
-    CHECK(changes(flight) == 3);
+    CHECK(flight[53] == "site-planner");
+    CHECK(changes(flight) == 4);
   }
   CHECK(scene.digest("two", {"--workers", "2"}) == reference);
 
@@ -334,6 +336,34 @@ TEST_CASE("failover: after kill -9 of the process that flies, a standby takes ov
   CHECK_THAT(scene.log("run", "aloft-channel-w0"), !Contains("has no history"));
 }
 
+TEST_CASE("failover to an agent with the site map, whose process comes long after the map was first told") {
+  const int steps = 2000;
+  const Scene scene(experiment_text("failover", 2, steps, R"([
+    {"agent": {"type": "dqn", "name": "first", "epochs": 200, "hidden_width": 64}}, {"agent": "site-planner"}])"));
+  SingleProcesses processes(scene, "1");
+  processes.start("aloft-learning-agent", "first");
+  Orders orders(Scene::run_name("run"));
+  REQUIRE(eventually([&] { return orders.ready(); }));
+  processes.start("aloft-baseline-agent", "random-walk");
+  const auto log = [&] { return scene.log("run", "aloft-channel-w0"); };
+  REQUIRE(eventually([&] { return log().find("agent site-planner is not there") != std::string::npos; }));
+  REQUIRE(eventually([&] {
+    const auto reply = orders.swap("first");
+    return reply && reply->accepted() && reply->flights_flown() == 1;
+  }));
+  processes.start("aloft-baseline-agent", "site-planner");
+  REQUIRE(eventually([&] { return log().find("agent site-planner is there") != std::string::npos; }));
+  processes.at("first").send(SIGKILL);
+  CHECK(processes.at("aloft-coordinator").wait(180s).exit_code == 0);
+  const auto flights = scene.pilots("run/results");  // checks that every step is there once
+  REQUIRE(flights.size() == 2);
+  CHECK(flights[0].front() == "first");
+  for (const auto& flight : flights) {
+    REQUIRE(flight.size() == static_cast<std::size_t>(steps));
+    CHECK(flight.back() == "site-planner");
+  }
+}
+
 TEST_CASE("a relay waits once for a member that never comes; its flights are the same") {
   constexpr int trials = 20;
   const std::string crew = R"([{"agent": "min-height"}, {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}])";
@@ -354,20 +384,20 @@ TEST_CASE("many swaps under load: no step lost or doubled, memory and files of a
   const int trials = std::max(4, swaps / 10);
   // Four flights at a time; the crew has a learner and agents of both agent processes.
   const Scene scene(experiment_text("failover", trials, 2000, R"([{"agent": "min-height"},
-    {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}, {"agent": "constant-80"}])"));
+    {"agent": {"type": "dqn", "epochs": 2, "hidden_width": 8}}, {"agent": "constant-80"}, {"agent": "site-planner"}])"));
   Command run(scene.command("run", {"--workers", "1"}));
   Orders orders(Scene::run_name("run"));
   REQUIRE(eventually([&] { return orders.ready(); }));
   const BusyCores others;
   const char* const programs[] = {"aloft-channel", "aloft-learning-agent", "aloft-baseline-agent"};
-  const char* const agents[] = {"dqn", "constant-80", "min-height"};
+  const char* const agents[] = {"dqn", "constant-80", "site-planner", "min-height"};
   std::map<std::string, Footprint> before;
   int done = 0;
   std::uint64_t taken = 0;
   double waited_s = 0.0;
   for (int i = 0; i < swaps && run.running(); ++i) {
     const double start_s = seconds_since_epoch();
-    const auto reply = orders.swap(agents[i % 3]);
+    const auto reply = orders.swap(agents[i % 4]);
     if (!reply && !run.running()) break;
     if (!reply) FAIL(orders.last_reply() << "\n" << scene.log("run", "aloft-channel-w0"));
     waited_s += seconds_since_epoch() - start_s;

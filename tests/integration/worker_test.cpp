@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -33,8 +34,8 @@ using test::ScratchDir;
 const char* const experiment_text = R"({
   "name": "worker-test", "seed": 5, "trials": 3, "energy_weight": 0.001, "handover_cost": 0.5,
   "world": {"kind": "generated", "bs_density_per_km2": [2.5, 5], "steps": 20},
-  "agents": ["min-height", "constant-120", "random-walk", "one-step-ahead", "optimal-height", "planner", "local-bandit",
-             {"type": "dqn", "epochs": 5}]
+  "agents": ["min-height", "constant-120", "random-walk", "one-step-ahead", "optimal-height", "planner", "site-planner",
+             "local-bandit",             {"type": "dqn", "epochs": 5}]
 })";
 
 /// The same flights without a bus.
@@ -86,9 +87,10 @@ class Scene {
     start(program);
   }
 
-  void start_foreign_agent(const std::string& agent) {
-    processes_["aloft-foreign-agent"] = std::make_unique<Command>(
-        std::vector<std::string>{"aloft-foreign-agent", std::to_string(place_.domain), place_.run, "w0", agent});
+  void start_foreign_agent(const std::string& agent, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> command{"aloft-foreign-agent", std::to_string(place_.domain), place_.run, "w0", agent};
+    command.insert(command.end(), more.begin(), more.end());
+    processes_["aloft-foreign-agent"] = std::make_unique<Command>(command);
   }
 
   void start(const std::string& program) {
@@ -252,6 +254,35 @@ TEST_CASE("a foreign program on another DDS implementation flies as min-height, 
   }
   scene.processes_["aloft-foreign-agent"]->send(SIGTERM);
   CHECK(scene.processes_["aloft-foreign-agent"]->wait(20s).exit_code == 0);
+}
+
+TEST_CASE("a foreign program with the site map climbs near the base stations that the map has") {
+  setenv("CYCLONEDDS_URI",
+         ("file://" + (aloft::test::source_dir() / "deploy/dds/cyclonedds-loopback.xml").string()).c_str(), 1);
+  Scene scene(R"({"name": "foreign-test", "seed": 5, "trials": 1,
+                  "world": {"kind": "generated", "bs_density_per_km2": 5, "site_map_error_m": 30},
+                  "agents": ["min-height", {"type": "external", "name": "visitor", "privilege": "site-map"}]})");
+  for (const char* program : {"aloft-environment", "aloft-channel", "aloft-baseline-agent"}) scene.start(program);
+  scene.start_foreign_agent("visitor", {"site-map"});
+  CHECK(scene.listen_until([&] { return scene.everything_stored(); }));
+  REQUIRE(scene.foreign_flights_.size() == 1);
+
+  const experiment::Experiment& experiment = scene.experiment_;
+  const auto map = experiment::make_signal_map(experiment, experiment.conditions.front(), 0);
+  const auto is_near = [&](const flight::StepRecord& step) {
+    return std::ranges::any_of(map->survey()->map.sites, [&](const world::Site& site) {
+      return std::hypot(site.position.x_m - step.x_m, site.position.y_m - step.y_m) < 200.0;
+    });
+  };
+  double height_m = 40.0;
+  double highest_m = height_m;
+  for (const flight::StepRecord& step : scene.foreign_flights_.front().steps) {
+    height_m = std::clamp(height_m + (is_near(step) ? 10.0 : -10.0), 40.0, 240.0);
+    INFO("step " << step.step);
+    CHECK(step.height_m == height_m);
+    highest_m = std::max(highest_m, height_m);
+  }
+  CHECK(highest_m >= 100.0);
 }
 
 TEST_CASE("Ctrl-C ends every process of a worker at once and leaves nothing behind") {

@@ -46,7 +46,10 @@ wire::World world_sample(const experiment::Experiment& experiment, const experim
 
 std::unique_ptr<radio::SignalMap> map_of(const experiment::Experiment& experiment,
                                          const experiment::Condition& condition, const wire::World& world) {
-  if (condition.kind == experiment::WorldKind::measured) return radio::make_measured_map(bus::measured_flight(world));
+  if (condition.kind == experiment::WorldKind::measured) {
+    const world::MeasuredWorld measured = bus::measured_world(world);
+    return radio::make_measured_map(measured.flight, measured.known);
+  }
   return radio::make_generated_map(condition.world, bus::city(world), experiment.seed, 0);
 }
 
@@ -61,6 +64,13 @@ flight::FlightRecord fly_by_samples(radio::SignalMap& map, std::uint64_t seed, c
   agent->begin(bus::flight_info(report));
   agents::HeightProfile buffer;
   while (true) {
+    const bool first = flight.observation().step == 0;
+    if (const auto known = flight::survey(flight, agents::agent_type(spec.type).privilege, first)) {
+      wire::SiteMap sample;
+      bus::put(sample, *known);
+      check_sample(sample);
+      agent->survey(bus::site_map(sample));
+    }
     flight::foresee(flight, agents::agent_type(spec.type).privilege, buffer, [&](const agents::HeightProfile& profile) {
       wire::HeightProfile sample;
       bus::put(sample, profile);

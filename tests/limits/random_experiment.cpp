@@ -114,6 +114,22 @@ Json generated_world(Draw& draw, bool small) {
   return world;
 }
 
+/// Base stations around 45 N, 6 W, beside the measured flight in `file`.
+void write_sites(Draw& draw, std::filesystem::path file) {
+  const bool with_power = draw.chance(0.5);
+  const bool with_azimuth = draw.chance(0.5);
+  std::ofstream csv(file.replace_extension(".sites.csv"));
+  csv << "cell,latitude,longitude,antenna_height_m" << (with_power ? ",power_w" : "")
+      << (with_azimuth ? ",azimuth_deg" : "") << "\n";
+  for (int last = draw.whole(0, 12), site = 0; site <= last; ++site) {
+    csv << fmt::format("{},{},{},{}", 2147483647 - site, draw.between(44.99, 45.01), draw.between(-6.01, -5.99),
+                       draw.between(1, 200));
+    if (with_power) csv << fmt::format(",{}", draw.between(0.001, 1000));
+    if (with_azimuth) csv << fmt::format(",{}", draw.between(0, 360));
+    csv << "\n";
+  }
+}
+
 /// A measured world whose columns are mostly valid.
 Json measured_world(Draw& draw, bool small, const std::filesystem::path& file) {
   const bool long_flight = !small && draw.chance(0.2);
@@ -124,26 +140,32 @@ Json measured_world(Draw& draw, bool small, const std::filesystem::path& file) {
   const double most_kbps = draw.one_of<double>({1e5, 1e6, 3.2e7, 4e7, limits::quality});
   const bool with_sinr = draw.chance(0.5);
   const bool with_cell = draw.chance(0.5);
+  const bool with_place = !long_flight && draw.chance(0.5);
+  if (with_place) write_sites(draw, file);
   std::ofstream csv(file);
-  csv << "step,height_m,throughput_kbps" << (with_sinr ? ",sinr_db" : "") << (with_cell ? ",serving_cell" : "") << "\n";
+  csv << "step,height_m,throughput_kbps" << (with_sinr ? ",sinr_db" : "") << (with_cell ? ",serving_cell" : "")
+      << (with_place ? ",latitude,longitude" : "") << "\n";
   for (int step = 1; step <= steps; ++step)
     for (int level = 0; level < heights; ++level) {
       csv << fmt::format("{},{},{}", step, lowest_m + spacing_m * level, draw.between(0, most_kbps));
       if (with_sinr) csv << fmt::format(",{}", draw.between(-200, 200));
       if (with_cell) csv << fmt::format(",{}", draw.one_of<int>({0, 1, 2147483647}));
+      if (with_place) csv << fmt::format(",{},{}", 45.0 + 1e-4 * step, -6.0 + 1e-6 * level);
       csv << "\n";
     }
   return {{"kind", "measured"}, {"file", file.string()}};
 }
 
-/// One of this program's agents with some of its parameters; never one that trains for long.
-Json agent(Draw& draw, std::size_t number) {
+/// One of this program's agents with some of its parameters; never one that trains for long. Nobody has a site map of
+/// the measured worlds above.
+Json agent(Draw& draw, std::size_t number, bool measured) {
   static const std::vector<std::string> slow{
       "epochs",          "hidden_width",     "hidden_layers",           "minibatch",
       "replay_capacity", "se_horizon_steps", "throughput_horizon_steps"};
   std::vector<const agents::AgentType*> types;
   for (const agents::AgentType& type : agents::agent_types())
-    if (!type.foreign && !type.relay) types.push_back(&type);
+    if (!type.foreign && !type.relay && !(measured && type.privilege == agents::Privilege::site_map))
+      types.push_back(&type);
   const agents::AgentType& type = *draw.one_of(types);
   Json entry = draw.some_of(type.parameters, draw.one_of<double>({0.0, 0.3}), slow);
   if (type.name == "dqn") entry.update({{"epochs", 2}, {"hidden_width", 8}, {"minibatch", 4}, {"replay_capacity", 8}});
@@ -164,7 +186,8 @@ RandomExperiment random_experiment(std::uint64_t seed, const std::filesystem::pa
   result.json["world"] = draw.chance(0.5) ? generated_world(draw, result.small)
                                           : measured_world(draw, result.small, folder / fmt::format("{}.csv", seed));
   result.json["agents"] = Json::array();
-  for (std::size_t i = 0; i < 1 + draw.below(3); ++i) result.json["agents"].push_back(agent(draw, i));
+  for (std::size_t i = 0; i < 1 + draw.below(3); ++i)
+    result.json["agents"].push_back(agent(draw, i, result.json["world"].contains("file")));
   return result;
 }
 

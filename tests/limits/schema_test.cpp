@@ -48,7 +48,8 @@ bool no_schema_can_say(const std::string& message) {
       // agents that only another program knows
       std::regex("unknown agent|write a number for"),
       // agents together with worlds and with other agents
-      std::regex("plans the whole route|looks at .* neighbour cells|would fly from step|would never fly"),
+      std::regex(
+          "plans the whole route|needs the site map|looks at .* neighbour cells|would fly from step|would never fly"),
       std::regex("needs an agent that can take over|cannot be part of a relay|would have to be shown quality"),
       std::regex("which a crew member cannot|receives only the reports that it must answer|a crew member is one agent"),
       std::regex("the first member flies from step 1|use more than the .* of an earlier member"),
@@ -57,7 +58,7 @@ bool no_schema_can_say(const std::string& message) {
       // keys that only resolved experiments have
       std::regex("swept: .* it stands only in resolved experiments"),
       // named files and their content
-      std::regex("\\.file: |cannot read"),
+      std::regex("\\.(sites_)?file: |cannot read"),
       // JSON Schema does not distinguish 5.0 from 5; only the second form can hold a seed of 64 bits
       std::regex("seed: -?[0-9]+[.e][0-9.e+]* is not allowed"),
   };

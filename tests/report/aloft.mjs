@@ -24,7 +24,7 @@ export function succeed(...given) {
   return stdout;
 }
 
-/** Three trials of a shipped experiment, in data/experiments/. */
+/** Three trials of a shipped experiment, in data/experiments/; over cities with the site map, too. */
 export function fly(experiment, folder) {
-  succeed('run', `data/experiments/${experiment}.json`, '--out', folder, '--in-process', '--trials', '3', '--agents', agents.join(','));
+  succeed('run', `data/experiments/${experiment}.json`, '--out', folder, '--in-process', '--trials', '3', '--agents', [...agents, ...(experiment === 'measured' ? [] : ['site-planner'])].join(','));
 }

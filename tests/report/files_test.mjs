@@ -27,17 +27,18 @@ test('charts as SVG files, the same bytes each time', () => {
   }
 });
 
-test('box plots of privileged agents are hollow, and their labels carry the mark of the tier', () => {
+test('box plots of agents that see the future are hollow, of those with the site map light, and labels carry the mark of the tier', () => {
   const folder = join(scratch, 'svg-marks');
   succeed('report', generated, '--svg', folder);
   const plots = readdirSync(folder).filter((file) => file.endsWith('-qos.svg'));
   assert.equal(plots.length, 3);
   for (const file of plots) {
     const text = readFileSync(join(folder, file), 'utf8');
-    for (const label of ['one-step-ahead *', 'optimal-height *', 'planner **', 'dqn']) assert.ok(text.includes(`>${label}<`), `${file}: ${label}`);
+    for (const label of ['one-step-ahead *', 'optimal-height *', 'planner **', 'site-planner +', 'dqn']) assert.ok(text.includes(`>${label}<`), `${file}: ${label}`);
     const boxes = /role-mark layer_1_marks.*?<\/g>/s.exec(text)[0];
     const fills = [...boxes.matchAll(/fill="([^"]*)"/g)].map(([, fill]) => fill).filter((fill) => fill !== 'none');
     assert.equal(fills.filter((fill) => fill === '#ffffff').length, 3, `${file}: ${fills}`);
+    assert.equal(fills.filter((fill) => fill === '#aea6dc').length, 1, `${file}: ${fills}`); // half of #5d4db8
   }
 });
 

@@ -64,13 +64,25 @@ Sample sample_of(std::span<const double> values) {
   return {mean, std::sqrt(squares / (n - 1.0)), static_cast<std::uint32_t>(values.size())};
 }
 
-std::vector<std::vector<double>> fly_trials(const Densities& densities, const nlohmann::json& agents,
+nlohmann::json world_with(const Densities& densities) {
+  return {{"bs_density_per_km2", densities.bs_per_km2}, {"building_density_per_km2", densities.buildings_per_km2}};
+}
+
+Sample gain_over_min_height(const nlohmann::json& agent, const nlohmann::json& world, std::uint32_t trials) {
+  const auto means = fly_trials(world, {"min-height", agent}, trials);
+  std::vector<double> gains;
+  for (std::uint32_t trial = 0; trial < trials; ++trial) gains.push_back(means[1][trial] - means[0][trial]);
+  const Sample gain = sample_of(gains);
+  std::cout << fmt::format("{} - min-height, {}: {:+.3f} +- {:.3f}\n", agent.dump(), world.dump(), gain.mean,
+                           gain.sd / std::sqrt(gain.trials));
+  return gain;
+}
+
+std::vector<std::vector<double>> fly_trials(const nlohmann::json& given, const nlohmann::json& agents,
                                             std::uint32_t trials) {
   std::vector<agents::AgentSpec> specs;
   for (const auto& entry : agents) specs.push_back(agents::parse_agents(entry, "agents").front());
-  const Parameters world = radio::resolve_generated_world(
-      {{"bs_density_per_km2", densities.bs_per_km2}, {"building_density_per_km2", densities.buildings_per_km2}},
-      "world");
+  const Parameters world = radio::resolve_generated_world(given, "world");
   std::vector<std::vector<double>> means(specs.size(), std::vector<double>(trials));
   std::atomic<std::uint32_t> next = 0;
   const auto fly_some = [&] {
@@ -91,7 +103,8 @@ void check_expected_means(const Densities& densities, std::uint32_t trials) {
   const Expected& expected = expected_for(densities);
   std::cout << fmt::format("{} BS per km2, {} buildings per km2, {} trials\n", densities.bs_per_km2,
                            densities.buildings_per_km2, trials);
-  const auto means = fly_trials(densities, {"random-walk", "one-step-ahead", "min-height", "height-filter"}, trials);
+  const auto means =
+      fly_trials(world_with(densities), {"random-walk", "one-step-ahead", "min-height", "height-filter"}, trials);
   check_mean("random-walk", sample_of(means[0]), expected.random_walk);
   check_mean("one-step-ahead", sample_of(means[1]), expected.one_step_ahead);
   if (std::isnan(expected.height_filter_gain)) return;

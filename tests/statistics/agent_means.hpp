@@ -26,10 +26,15 @@ struct Sample {
 
 [[nodiscard]] Sample sample_of(std::span<const double> values);
 
-/// Mean quality per flight, [agent][trial], of agents that fly the same generated worlds of preset `published`. Trials
-/// are shared out to two threads; the result does not depend on that.
-[[nodiscard]] std::vector<std::vector<double>> fly_trials(const Densities& densities, const nlohmann::json& agents,
+/// Mean quality per flight, [agent][trial], of agents that fly the same generated worlds. Trials are shared out to two
+/// threads; the result does not depend on that.
+[[nodiscard]] std::vector<std::vector<double>> fly_trials(const nlohmann::json& world, const nlohmann::json& agents,
                                                           std::uint32_t trials);
+
+/// The gain of an agent over min-height on the same worlds, printed.
+[[nodiscard]] Sample gain_over_min_height(const nlohmann::json& agent, const nlohmann::json& world,
+                                          std::uint32_t trials);
+[[nodiscard]] nlohmann::json world_with(const Densities& densities);
 
 /// Checks (Catch2) random-walk and one-step-ahead against the expected means, and the height filter's gain over
 /// min-height against the expected gains where they are known.

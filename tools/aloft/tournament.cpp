@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +9,7 @@
 #include "common/base/read_file.hpp"
 #include "common/base/terminal.hpp"
 #include "common/base/write_file.hpp"
+#include "common/experiment/measured_files.hpp"
 #include "common/experiment/trial_world.hpp"
 #include "common/flight/flight.hpp"
 #include "services/runtime/flag_checks.hpp"
@@ -34,11 +36,19 @@ struct TournamentOptions {
 
 using Json = nlohmann::json;
 
-/// The agents of `cities` over one measured flight, named after its file.
+bool needs_sites(const Json& agent) {
+  const agents::AgentSpec spec = agents::parse_agents(agent, "agents").front();
+  const auto has_map = [](const agents::AgentSpec& one) { return one.privilege() == agents::Privilege::site_map; };
+  return has_map(spec) || std::ranges::any_of(spec.crew, [&](const auto& member) { return has_map(member.agent); });
+}
+
+/// The agents of `cities` over one measured flight, named after its file. Agents with the site map only where there is
+/// one.
 Json over_measured(const Json& cities, const std::string& file) {
   Json document = cities;
   const std::string name = std::filesystem::path(file).stem().string();
   document["name"] = fmt::format("{}-{}", cities.at("name").get<std::string>(), name);
+  if (!experiment::has_sites(file)) std::erase_if(document["agents"].get_ref<Json::array_t&>(), needs_sites);
   document["worlds"] = Json::array({{{"kind", "measured"}, {"name", name}, {"file", file}}});
   return document;
 }

@@ -76,8 +76,8 @@ std::string experiments_page() {
 
 std::string marks_of(const agents::AgentType& type) {
   std::string text;
-  if (type.privilege == agents::Privilege::next_step) text += " Privileged: sees the next step at every height.";
-  if (type.privilege == agents::Privilege::whole_route) text += " Privileged: sees the whole route at every height.";
+  if (type.privilege != agents::Privilege::none)
+    text += fmt::format(" Privileged: sees {}.", agents::privilege_tier(type.privilege).sees);
   if (type.unconstrained) text += " Unconstrained: may jump to any height.";
   if (type.is_learner()) text += " Learns.";
   if (type.trained_beforehand) text += " Trained beforehand.";

@@ -95,8 +95,10 @@ json metric_list() {
 
 json tier_list() {
   json list = json::array();
-  for (const agents::PrivilegeTier& tier : agents::privilege_tiers())
-    list.push_back({{"name", tier.name}, {"mark", tier.mark}, {"sees", tier.sees}});
+  for (const agents::PrivilegeTier& tier : agents::privilege_tiers()) {
+    const char* shape = agents::foresees(tier.privilege) ? "hollow" : tier.mark.empty() ? "full" : "half";
+    list.push_back({{"name", tier.name}, {"mark", tier.mark}, {"sees", tier.sees}, {"shape", shape}});
+  }
   return list;
 }
 
@@ -105,6 +107,8 @@ json condition_data(const store::ResultStore& run, const ReportCondition& condit
   return {{"experiment", condition.run},
           {"name", condition.all.name},
           {"label", condition.all.label},
+          {"place", condition.all.place},
+          {"site_map", condition.all.site_map},
           {"world", sha256_hex(condition.all.world()).substr(0, 16)},
           {"kind", condition.all.kind == experiment::WorldKind::measured ? "measured" : "generated"},
           {"qos_name", condition.all.qos_name()},

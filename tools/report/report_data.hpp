@@ -20,8 +20,9 @@ struct Choice {
 /// {"version", "title", "build", "experiments": [{"name", "description", "id", "seed", "trials", "flights_stored",
 ///   "flights_expected", "digest"}],
 ///  "missing": [line...], "agents": agent_list, "metrics": [{"name", "title", "decimals", "better": "higher" | "lower"
-///  | null}], "privilege_tiers": [{"name", "mark", "sees"}], "marks_explained": text, "learner": name | null,
-///  "shown_condition": index, "conditions": [{"experiment": index, "name", "label", "kind", "qos_name", "qos_unit",
+///  | null}], "privilege_tiers": [{"name", "mark", "sees", "shape": "full" | "half" | "hollow"}], "marks_explained":
+///  text, "learner": name | null, "shown_condition": index, "conditions": [{"experiment": index, "name", "label",
+///  "place", "site_map", "kind", "qos_name", "qos_unit",
 ///                  "views": {"all": statistics_view, "selected": statistics_view | null}, "flight": flight_view |
 ///                  null}],
 ///  "published": {"source", "least_trials", "left_out": {"all": [line...], "selected": [line...]}, "rows": [{"label",

@@ -8,26 +8,46 @@
 #include <limits>
 
 #include "common/experiment/statistics.hpp"
+#include "common/world/site_map.hpp"
 
 namespace aloft::report {
 namespace {
 
 using experiment::WorldKind;
 
+bool is_of_map(const std::string& key) {
+  return key.starts_with("site_map_");
+}
+
 std::string readable(const std::string& key, const nlohmann::json& value) {
   const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
   if (key == "bs_density_per_km2") return text + " BS per km²";
   if (key == "building_density_per_km2") return text + " buildings per km²";
+  if (key == "site_map_error_m") return text + " m off";
+  if (key == "site_map_missing") return fmt::format("{:g} % missing", 100.0 * value.get<double>());
+  if (key == "site_map_route_points") return "next " + text + " points";
   return key + " " + text;
 }
 
-std::string label_of(const experiment::Condition& condition, const std::string& measured_file) {
-  if (!condition.parameters.is_object() || condition.parameters.empty())
-    return condition.name == "measured" && !measured_file.empty() ? "measured flight " + measured_file : condition.name;
+/// What is swept, in words: all of it, or all but the site map.
+std::string label_of(const experiment::Condition& condition, const std::string& measured_file, bool with_map) {
   std::string label;
-  for (const auto& [key, value] : condition.parameters.items())
-    label += (label.empty() ? "" : ", ") + readable(key.substr(key.rfind('.') + 1), value);
-  return label;
+  for (const auto& [path, value] : condition.parameters.items()) {
+    const std::string key = path.substr(path.rfind('.') + 1);
+    if (with_map || !is_of_map(key)) label += (label.empty() ? "" : ", ") + readable(key, value);
+  }
+  if (!label.empty()) return label;
+  return condition.name == "measured" && !measured_file.empty() ? "measured flight " + measured_file : condition.name;
+}
+
+/// How the site map differs from the exact one that tells the whole route; empty: not at all.
+std::string map_of(const Parameters& world) {
+  std::string text;
+  for (const ParameterSpec& spec : world::site_map_parameters()) {
+    const nlohmann::json value = world.to_json().value(spec.name, nlohmann::json(0));
+    if (value != 0) text += (text.empty() ? "" : ", ") + readable(spec.name, value);
+  }
+  return text;
 }
 
 double take_number(nlohmann::json& parameters, const char* key) {
@@ -52,7 +72,9 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
   trials.other_parameters = parameters.dump();
   if (condition.kind == WorldKind::measured)
     trials.measured_file = std::filesystem::path(parameters.value("file", "")).stem().string();
-  trials.label = label_of(condition, trials.measured_file);
+  trials.label = label_of(condition, trials.measured_file, true);
+  trials.place = label_of(condition, trials.measured_file, false);
+  trials.site_map = map_of(condition.world);
   for (const agents::AgentSpec& spec : experiment.agents)
     trials.agents.push_back({spec.name, spec.type, spec.privilege(), spec.parameters.to_json()});
   std::ranges::stable_sort(trials.agents, shown_before);

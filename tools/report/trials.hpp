@@ -31,7 +31,10 @@ struct ConditionTrials {
   std::string experiment;  ///< name
   std::uint64_t seed = 0;
   std::string name;
-  std::string label;  ///< as shown: "2.5 BS per km²"
+  std::string label;  ///< as shown: "2.5 BS per km², 25 m off"
+  std::string place;  ///< the same without the site map: "2.5 BS per km²"
+  std::string
+      site_map;  ///< how it differs from the exact one that tells the whole route: "25 m off"; empty: not at all
   experiment::WorldKind kind = experiment::WorldKind::generated;
   double bs_density_per_km2 = 0.0;        ///< generated worlds; NaN if the world has none
   double building_density_per_km2 = 0.0;  ///< likewise

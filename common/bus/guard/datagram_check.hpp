@@ -14,8 +14,9 @@ namespace aloft::bus::guard {
 
 /// No valid sample of any topic is larger: an EpisodeRecord or a World, and 64 KiB for their other fields.
 inline constexpr std::size_t largest_sample_bytes =
-    std::max(limits::trace_bytes + limits::memory_bytes,
-             std::max((8 + 8 + 4) * limits::cells, 16 * limits::base_stations + 8 * limits::cells)) +
+    std::max({limits::trace_bytes + limits::memory_bytes,
+              (8 + 8 + 4) * limits::cells + 32 * limits::base_stations + 16 * limits::steps,  // a measured flight
+              16 * limits::base_stations + 8 * limits::cells}) +                              // a city
     (64U << 10U);
 /// Samples in fragments arrive in pieces of at least this size.
 inline constexpr std::size_t smallest_fragment_bytes = 1024;

@@ -338,8 +338,50 @@ struct SampleLimits<wire::AgentStatus> {
   }
   static Spoilers<wire::AgentStatus> spoilers() {
     return {{"agent", [](auto& s) { s.agent(""); }},
-            {"privilege", [](auto& s) { s.privilege(static_cast<wire::Privilege>(3)); }},
+            {"privilege", [](auto& s) { s.privilege(static_cast<wire::Privilege>(4)); }},
             {"state", [](auto& s) { s.state(static_cast<wire::AgentState>(4)); }}};
+  }
+};
+
+template <>
+struct SampleLimits<wire::SiteMap> {
+  static wire::SiteMap good() {
+    wire::SiteMap sample;
+    sample.stream(limits::streams - 1);
+    sample.step(limits::steps - 1);
+    sample.route().resize(3);
+    sample.sites().resize(2);
+    sample.radio_json() = {'{', '}'};
+    return sample;
+  }
+  static Spoilers<wire::SiteMap> spoilers() {
+    return {{"stream", [](auto& s) { s.stream(limits::streams); }},
+            {"step", [](auto& s) { s.step(limits::steps); }},
+            {"position_error_m", [](auto& s) { s.position_error_m(-1); }},
+            {"missing", [](auto& s) { s.missing(1.5); }},
+            {"route_points", [](auto& s) { s.route_points(limits::steps + 1); }},
+            {"route", [](auto& s) { s.route().clear(); }},
+            {"route", [](auto& s) { s.route().resize(limits::steps + 1); }},
+            {"route", [](auto& s) { s.route()[2].y_m(nan); }},
+            {"sites", [](auto& s) { s.sites().resize(limits::base_stations + 1); }},
+            {"sites",
+             [](auto& s) {
+               s.update(true);
+               s.radio_json().clear();
+             }},
+            {"radio_json", [](auto& s) { s.radio_json().clear(); }},
+            {"radio_json", [](auto& s) { s.radio_json().resize(limits::radio_json_bytes + 1); }},
+            {"radio_json",
+             [](auto& s) {
+               s.update(true);
+               s.sites().clear();
+             }},
+            {"cell", [](auto& s) { s.sites()[0].cell(-1); }},
+            {"position of a site", [](auto& s) { s.sites()[1].x_m(2e6); }},
+            {"antenna_height_m", [](auto& s) { s.sites()[1].antenna_height_m(nan); }},
+            {"power_w", [](auto& s) { s.sites()[1].power_w(-1); }},
+            {"antenna", [](auto& s) { s.sites()[1].antenna(static_cast<wire::AntennaKind>(2)); }},
+            {"azimuth_deg", [](auto& s) { s.sites()[1].azimuth_deg(400); }}};
   }
 };
 

@@ -125,7 +125,9 @@ class Kit {
     check_limits();
     check("saving and restoring", [this] { return check_checkpoints(); });
     check("a state from before the first flight", [this] { return check_idle_state(); });
-    if (type_.privilege == Privilege::none) {
+    if (type_.privilege != Privilege::site_map)
+      check("a map that it may not have", [this] { return check_surveying(); });
+    if (!agents::foresees(type_.privilege)) {
       check("what may not be foreseen", [this] { return check_foreseeing(); });
       check("coming aboard in mid-flight", [this] { return check_comes_aboard_late(); });
       check("a world that is not measured", [this] {
@@ -204,8 +206,9 @@ class Kit {
     }
   }
 
-  /// One exchange: foresee, observe, act. An illegal command is replaced by a legal one.
+  /// One exchange: survey, foresee, observe, act. An illegal command is replaced by a legal one.
   void exchange(const Flight& flight, Agent& agent, Flown& flown) {
+    if (const auto map = survey(flight, type_.privilege, flown.reports.empty())) agent.survey(*map);
     foresee(flight, type_.privilege, buffer_, [&](const HeightProfile& profile) { agent.foresee(profile); });
     agent.observe(flight.observation());
     flown.reports.push_back(flight.observation());
@@ -420,6 +423,20 @@ class Kit {
       }
     }
     return {};
+  }
+
+  std::string check_surveying() {
+    const auto agent = spec_.make();
+    const Flight flight(map_, seed, trial);
+    agent->begin(flight.info());
+    try {
+      agent->survey(flight.site_map(false));
+    } catch (const std::logic_error&) {
+      return {};
+    }
+    return "survey() takes a map that an agent without the privilege may not have: declare the privilege in its type, "
+           "or "
+           "leave survey() as Agent has it";
   }
 
   std::string check_foreseeing() {

@@ -1,9 +1,11 @@
 #include "common/flight/testing/synthetic_map.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "common/base/random.hpp"
+#include "common/radio/generated_world.hpp"
 
 namespace aloft::flight {
 
@@ -62,6 +64,21 @@ world::Position SyntheticMap::advance(std::uint32_t point, world::Position from,
                                       std::int32_t serving_cell) const noexcept {
   const double side_m = serving_cell % 2 == 0 ? -10.0 : 10.0;
   return {10.0 * point, follow_serving_cell_ ? from.y_m + side_m : 0.0};
+}
+
+const radio::Survey* SyntheticMap::survey() {
+  if (survey_ && survey_->map.route_points == route_points_) return &*survey_;
+  survey_ = {radio::resolve_generated_world({{"height_min_m", grid_.height_min_m},
+                                             {"height_max_m", grid_.height_max_m},
+                                             {"height_step_m", grid_.height_step_m},
+                                             {"height_resolution_m", grid_.resolution_m}},
+                                            "world"),
+             {}};
+  survey_->map.route_points = route_points_;
+  RandomStream stream(1, 0, "synthetic sites");
+  for (std::int32_t cell = 0; cell < 12; ++cell)
+    survey_->map.sites.push_back({cell, {stream.uniform(-500.0, 900.0), stream.uniform(-500.0, 500.0)}, 0.0});
+  return &*survey_;
 }
 
 const std::vector<radio::Reading>& SyntheticMap::column(std::uint32_t point, world::Position position) {

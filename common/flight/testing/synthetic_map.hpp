@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/radio/signal_map.hpp"
@@ -23,6 +24,8 @@ class SyntheticMap final : public radio::SignalMap {
   /// Makes the route depend on the flight: at each point the UAV swerves by 10 m, to one side if the serving cell is
   /// even, to the other if it is odd.
   void follow_serving_cell() noexcept { follow_serving_cell_ = true; }
+  /// Makes the operator tell only so many points of the route ahead at a time.
+  void tell_route_in_parts(std::uint32_t points) { route_points_ = points; }
   [[nodiscard]] const std::vector<std::vector<double>>& qos() const noexcept { return qos_; }
   void set_qos(std::uint32_t point, std::uint32_t index, double value);
 
@@ -34,6 +37,8 @@ class SyntheticMap final : public radio::SignalMap {
   [[nodiscard]] world::Position advance(std::uint32_t point, world::Position from,
                                         std::int32_t serving_cell) const noexcept override;
   [[nodiscard]] bool fixed_route() const noexcept override { return !follow_serving_cell_; }
+  /// Twelve base stations near the route, whatever the qualities are.
+  [[nodiscard]] const radio::Survey* survey() override;
   [[nodiscard]] const std::vector<radio::Reading>& column(std::uint32_t point, world::Position position) override;
 
  private:
@@ -43,6 +48,8 @@ class SyntheticMap final : public radio::SignalMap {
   radio::HeightGrid grid_;
   std::vector<std::vector<double>> qos_;
   std::vector<std::vector<radio::Reading>> columns_;
+  std::uint32_t route_points_ = 0;
+  std::optional<radio::Survey> survey_;
   bool follow_serving_cell_ = false;
 };
 

@@ -34,7 +34,7 @@ struct Talk {
 
   std::string asked() {
     std::string name;
-    episode->ask({[](wire::HeightProfile&) {},
+    episode->ask({[](wire::SiteMap&) {}, [](wire::HeightProfile&) {},
                   [&](wire::ChannelReport& report) {
                     CHECK(wire::view(report.relay()) == "both");
                     name = report.agent().to_string();

@@ -2,7 +2,7 @@
 
 import {agentScales, surfaces} from './theme.js';
 import {signedInterval, interval} from './format.js';
-import {hollowFill, isPrivileged, marked, markedLabel} from './privilege.js';
+import {byKnowledge, isPrivileged, marked, markedLabel, shapeOf, tierFill, tierFills} from './privilege.js';
 
 export function qosTitle(condition) {
   return `${condition.qos_name} (${condition.qos_unit})`;
@@ -61,7 +61,7 @@ export function boxPlot(data, condition, context) {
   const surface = surfaces[context.theme];
   const rows = agents.map((agent) => ({
     agent: agent.name, low: agent.whiskers[0], q25: agent.q25, median: agent.median, q75: agent.q75, high: agent.whiskers[1],
-    mean: agent.mean, ci: interval(agent.ci95), trials: agent.trials, privileged: isPrivileged(data, agent.name),
+    mean: agent.mean, ci: interval(agent.ci95), trials: agent.trials, hollow: shapeOf(data, agent.name) === 'hollow',
   }));
   const several = (row) => row.trials > 1;  // one value has no quartiles
   const outliers = agents.flatMap((agent) => agent.outliers.map((qos) => ({agent: agent.name, qos})));
@@ -80,7 +80,7 @@ export function boxPlot(data, condition, context) {
     data: {values: rows},
     layer: [
       ...layerOf(rows, several, {mark: {type: 'rule', strokeWidth: 1.4}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}}),
-      ...layerOf(rows, several, {mark: {type: 'bar', height: 15, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, fill: hollowFill(colour, surface), fillOpacity: {condition: {test: 'datum.privileged', value: 1}, value: 0.55}, stroke: colour, tooltip}}),
+      ...layerOf(rows, several, {mark: {type: 'bar', height: 15, strokeWidth: 1.4}, encoding: {y, x: x('q25'), x2: {field: 'q75'}, fill: tierFill(data, colour, surface), fillOpacity: {condition: {test: 'datum.hollow', value: 1}, value: 0.55}, stroke: colour, tooltip}}),
       ...layerOf(rows, several, {mark: {type: 'tick', thickness: 2.4, size: 15, color: surface.ink}, encoding: {y, x: x('median'), tooltip}}),
       {mark: {type: 'point', shape: 'diamond', size: 42, filled: true, color: surface.background, stroke: surface.ink, strokeWidth: 1.2, opacity: 1}, encoding: {y, x: x('mean'), tooltip}},
       {data: {values: outliers}, mark: {type: 'point', size: 14, filled: true, opacity: 0.6}, encoding: {y, x: x('qos'), color: colour}},
@@ -94,7 +94,7 @@ export function gainChart(data, condition, context) {
   const names = agents.map((agent) => agent.name);
   const rows = agents.map((agent) => ({
     agent: agent.name, gain: agent.gain.mean, ...ends(agent.gain.ci95), text: signedInterval(agent.gain.ci95),
-    better: agent.gain.probability_of_improvement, pairs: agent.gain.pairs, privileged: isPrivileged(data, agent.name),
+    better: agent.gain.probability_of_improvement, pairs: agent.gain.pairs,
   }));
   const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
   const x = (field) => ({field, type: 'quantitative', axis: {title: `Gain over min-height (${condition.qos_unit})`, tickCount: 6}});
@@ -109,7 +109,7 @@ export function gainChart(data, condition, context) {
     layer: [
       {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surfaces[context.theme].soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
       ...layerOf(rows, intervalKnown, {mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}}),
-      {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: hollowFill(colour, surfaces[context.theme]), tooltip}},
+      {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: tierFill(data, colour, surfaces[context.theme]), tooltip}},
     ],
   };
 }
@@ -138,7 +138,7 @@ export function meanHeightChart(data, experiment, context) {
   const conditions = data.conditions.filter((condition) => condition.experiment === experiment && condition.views[context.view]);
   const values = conditions.flatMap((condition) => condition.views[context.view].agents.map((agent) => ({
     agent: agent.name, condition: condition.label, height: agent.metrics['mean height'], ...ends(agent.height_ci95_m),
-    text: interval(agent.height_ci95_m, 1), privileged: isPrivileged(data, agent.name),
+    text: interval(agent.height_ci95_m, 1),
   })));
   const names = [...new Set(values.map((row) => row.agent))];
   const x = {
@@ -146,6 +146,7 @@ export function meanHeightChart(data, experiment, context) {
     scale: {type: 'point', padding: 0.5}, axis: {title: null, labelAngle: 0, labelLimit: 120, labelExpr: "split(datum.label, ', ')"},
   };
   const encoding = agentLineEncoding(data, context, names);
+  const fills = tierFills(data, encoding.color.scale, surfaces[context.theme], names);
   const y = (field) => ({field, type: 'quantitative', scale: {zero: false, nice: true}, axis: {title: 'Mean height (m)'}});
   const tooltip = [
     {field: 'agent', title: 'Agent'}, {field: 'condition', title: 'Condition'},
@@ -157,8 +158,11 @@ export function meanHeightChart(data, experiment, context) {
     layer: [
       {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {x, y: y('height'), ...encoding}},
       ...layerOf(values, intervalKnown, {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}}),
-      ...layerOf(values, (row) => !row.privileged, {mark: {type: 'point', filled: true, size: 55}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}}),
-      ...layerOf(values, (row) => row.privileged, {mark: {type: 'point', filled: false, fill: surfaces[context.theme].background, size: 50, strokeWidth: 2}, encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip}}),
+      // The fill is no encoding here: its legend would be at odds with that of the lines.
+      ...names.map((name, i) => ({
+        data: {values: values.filter((row) => row.agent === name)}, mark: {type: 'point', filled: false, fill: fills[i], size: 52, strokeWidth: 2},
+        encoding: {x, y: y('height'), color: encoding.color, opacity: encoding.opacity, tooltip},
+      })),
     ],
   };
 }
@@ -192,7 +196,7 @@ export function energyChart(data, condition, context) {
     layer: [
       {data: {values: paretoFront(rows.filter((row) => !row.privileged))}, mark: {type: 'line', interpolate: 'step-after', strokeDash: [4, 3], strokeWidth: 1.4, color: surface.soft}, encoding: {x, y: y('qos'), order: {field: 'energy'}}},
       ...layerOf(rows, intervalKnown, {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {x, y: y('low'), y2: {field: 'high'}, color: colour}}),
-      {mark: {type: 'point', size: 75, strokeWidth: 2, opacity: 1}, encoding: {x, y: y('qos'), color: colour, fill: hollowFill(colour, surface), tooltip}},
+      {mark: {type: 'point', size: 75, strokeWidth: 2, opacity: 1}, encoding: {x, y: y('qos'), color: colour, fill: tierFill(data, colour, surface), tooltip}},
       {mark: {type: 'text', align: 'left', dx: 8, dy: -6, fontSize: 11, color: surface.ink}, encoding: {x, y: y('qos'), text: {field: 'shown'}}},
     ],
   };
@@ -207,12 +211,23 @@ function agentsOver(data, condition, view) {
   return agents;
 }
 
+/** A row per agent and place; several for an agent that is told the site map, if there are maps with errors or gaps. */
 function gainRows(data, experiment, view) {
-  return data.conditions.filter((condition) => condition.experiment === experiment && condition.views[view] && condition.qos_unit === 'bit/s/Hz')
-    .flatMap((condition) => agentsOver(data, condition, view).filter((agent) => agent.gain && agent.name !== 'min-height').map((agent) => ({
-      agent: agent.name, condition: condition.label.replaceAll(' per km²', ''), gain: agent.gain.mean, ...ends(agent.gain.ci95),
-      text: signedInterval(agent.gain.ci95), privileged: isPrivileged(data, agent.name),
-    })));
+  const rows = new Map();
+  for (const condition of data.conditions) {
+    if (condition.experiment !== experiment || !condition.views[view] || condition.qos_unit !== 'bit/s/Hz') continue;
+    for (const agent of agentsOver(data, condition, view)) {
+      if (!agent.gain || agent.name === 'min-height') continue;
+      const told = shapeOf(data, agent.name) === 'half' && condition.site_map !== '' ? `, ${condition.site_map}` : '';
+      const row = {
+        agent: agent.name, row: marked(data, agent.name) + told, condition: condition.place.replaceAll(' per km²', ''), gain: agent.gain.mean,
+        ...ends(agent.gain.ci95), text: signedInterval(agent.gain.ci95),
+      };
+      const key = JSON.stringify([row.condition, row.row]);
+      if (!rows.has(key)) rows.set(key, row);
+    }
+  }
+  return [...rows.values()];
 }
 
 /** Whether there is more than one condition to compare gains over. */
@@ -229,12 +244,13 @@ export function gainsOverview(data, experiment, context) {
   const surface = surfaces[context.theme];
   const colour = {field: 'agent', type: 'nominal', scale: scales.colour, legend: null};
   const x = (field) => ({field, type: 'quantitative', axis: {title: null, tickCount: 4}});
-  const y = agentAxis(data, names);
+  const order = byKnowledge(data).flatMap((agent) => [...new Set(rows.filter((row) => row.agent === agent.name).map((row) => row.row))]);
+  const labels = order.some((row) => row.length > 20) ? 195 : 150;
+  const y = {field: 'row', type: 'nominal', sort: order, scale: {domain: order}, axis: {title: null, ticks: false, domain: false, grid: false, labelLimit: 400}};
   const tooltip = [
-    {field: 'condition', title: 'Condition'}, {field: 'agent', title: 'Agent'},
+    {field: 'condition', title: 'Condition'}, {field: 'row', title: 'Agent'},
     {field: 'gain', title: 'Mean gain (bit/s/Hz)', format: '+.2f'}, {field: 'text', title: '95 % interval'},
   ];
-  const labels = 150;
   return {
     autosize: {type: 'pad'},
     width: undefined,
@@ -243,11 +259,11 @@ export function gainsOverview(data, experiment, context) {
     facet: {column: {field: 'condition', type: 'nominal', sort: conditions, header: {title: 'Gain over min-height on the same worlds (bit/s/Hz); base stations (BS) and buildings per km²', titleOrient: 'bottom', titleFontWeight: 500, titleColor: surface.ink, labelColor: surface.ink, labelFontSize: 11, labelExpr: "split(datum.label, ', ')"}}},
     spec: {
       width: Math.max(70, Math.floor((context.width - labels) / conditions.length) - 14),
-      height: 20 * names.length,
+      height: 20 * order.length,
       layer: [
         {data: {values: [{zero: 0}]}, mark: {type: 'rule', strokeDash: [4, 3], color: surface.soft}, encoding: {x: {field: 'zero', type: 'quantitative'}}},
         ...(rows.some(intervalKnown) ? [{transform: [{filter: 'isValid(datum.low)'}], mark: {type: 'rule', strokeWidth: 3}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: colour, tooltip}}] : []),
-        {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: hollowFill(colour, surface), tooltip}},
+        {mark: {type: 'point', size: 60, strokeWidth: 2, opacity: 1}, encoding: {y, x: x('gain'), color: colour, fill: tierFill(data, colour, surface), tooltip}},
       ],
     },
   };

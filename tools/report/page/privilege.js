@@ -1,4 +1,5 @@
-// Agents that see more than a real UAV reports have a mark behind the name and a hollow shape.
+// Agents that know more than the UAV reports have a mark behind the name. Shapes are hollow if the agent sees the future,
+// half full (in a lighter colour) if it knows what an operator knows, the site map.
 
 function tierOf(data, name) {
   const agent = data.agents.find((other) => other.name === name);
@@ -21,13 +22,40 @@ export function markedLabel(data) {
   return `${JSON.stringify(labels)}[datum.label] || datum.label`;
 }
 
-/** The fill of shapes whose rows have `privileged`: the background, or the agent's colour. */
-export function hollowFill(colour, surface) {
-  return {condition: {test: 'datum.privileged', value: surface.background}, field: 'agent', type: 'nominal', scale: colour.scale, legend: null};
+/** The agents, those that know more after those that know less. */
+export function byKnowledge(data) {
+  return data.privilege_tiers.flatMap((tier) => data.agents.filter((agent) => agent.privilege === tier.name));
 }
 
-/** What marks and hollow shapes mean; nothing if no agent of the report is privileged. */
+/** 'full', 'half' or 'hollow'. */
+export function shapeOf(data, name) {
+  return tierOf(data, name).shape;
+}
+
+/** Half of one colour and half of another: '#rrggbb'. */
+function mixed(one, other) {
+  const channel = (at) => Math.round((parseInt(one.slice(at, at + 2), 16) + parseInt(other.slice(at, at + 2), 16)) / 2);
+  return '#' + [1, 3, 5].map((at) => channel(at).toString(16).padStart(2, '0')).join('');
+}
+
+/** The fills of these agents' shapes: the agent's colour, half of it, or the background. */
+export function tierFills(data, {domain, range}, surface, names) {
+  const fills = {full: (own) => own, half: (own) => mixed(own, surface.background), hollow: () => surface.background};
+  return names.map((name) => fills[shapeOf(data, name)](range[domain.indexOf(name)]));
+}
+
+/** The same as an encoding, with the agent's `colour` scale. */
+export function tierFill(data, colour, surface) {
+  const {domain} = colour.scale;
+  return {field: 'agent', type: 'nominal', scale: {domain, range: tierFills(data, colour.scale, surface, domain)}, legend: null};
+}
+
+/** What marks and shapes mean; nothing if no agent of the report is privileged. */
 export function marksExplained(data) {
-  if (!data.agents.some((agent) => isPrivileged(data, agent.name))) return null;
-  return `Hollow: privileged agents. ${data.marks_explained}.`;
+  const shapes = new Set(data.agents.map((agent) => shapeOf(data, agent.name)));
+  const meanings = [];
+  if (shapes.has('half')) meanings.push('Light: knows what an operator knows.');
+  if (shapes.has('hollow')) meanings.push('Hollow: sees the future.');
+  if (meanings.length === 0) return null;
+  return `${meanings.join(' ')} ${data.marks_explained}.`;
 }

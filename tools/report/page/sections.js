@@ -2,7 +2,7 @@
 
 import {h, table} from './dom.js';
 import {interval, number, percent, signed, signedInterval} from './format.js';
-import {isPrivileged, marked} from './privilege.js';
+import {marked, shapeOf} from './privilege.js';
 import {agentScales} from './theme.js';
 
 const verdicts = {
@@ -19,7 +19,7 @@ export function verdictBadge(verdict) {
 
 export function agentName(data, name, theme) {
   const scale = agentScales(data, theme, [name]);
-  const look = isPrivileged(data, name) ? 'swatch hollow' : 'swatch';
+  const look = `swatch ${shapeOf(data, name)}`;
   return h('span', {class: 'agent'}, h('span', {class: look, style: `color:${scale.colour.range[0]}`}), marked(data, name));
 }
 

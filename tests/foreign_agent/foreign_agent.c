@@ -1,7 +1,8 @@
 /* An agent that shares nothing with Aloft but idl/flight.idl: Eclipse Cyclone DDS, plain C.
-   It plays `min-height` for every flight in which its name is asked for.
+   It plays `min-height` for every flight in which its name is asked for; with the site map, it climbs as long as a base
+   station is within 200 m of the next point of the route, and else descends.
 
-   usage: foreign-agent DOMAIN RUN WORKER AGENT */
+   usage: foreign-agent DOMAIN RUN WORKER AGENT [site-map] */
 #include <dds/dds.h>
 #include <signal.h>
 #include <stdio.h>
@@ -10,6 +11,9 @@
 #include <unistd.h>
 
 #include "flight.h"
+
+#define STREAMS 1024
+#define LONGEST_FLIGHT 1000
 
 static volatile sig_atomic_t stopped = 0;
 
@@ -38,9 +42,56 @@ static void copy_name(char* target, size_t size, const char* source) {
   snprintf(target, size, "%s", source);
 }
 
+/* What the agent keeps of the site map of a stream: for every step whether a base station is near. */
+struct near_sites {
+  uint64_t episode_id;
+  uint32_t attempt;
+  uint32_t steps; /* 0: no map yet */
+  uint8_t near[LONGEST_FLIGHT + 1];
+};
+
+static struct near_sites maps[STREAMS];
+
+static void keep_map(const aloft_wire_SiteMap* map) {
+  if (map->stream >= STREAMS || map->update) return;
+  struct near_sites* kept = &maps[map->stream];
+  kept->episode_id = map->episode_id;
+  kept->attempt = map->attempt;
+  kept->steps = 0;
+  for (uint32_t i = 0; i < map->route._length && map->step + 1 + i <= LONGEST_FLIGHT; ++i) {
+    const uint32_t step = map->step + 1 + i;
+    kept->near[step] = 0;
+    for (uint32_t k = 0; k < map->sites._length; ++k) {
+      const double dx_m = map->sites._buffer[k].x_m - map->route._buffer[i].x_m;
+      const double dy_m = map->sites._buffer[k].y_m - map->route._buffer[i].y_m;
+      if (dx_m * dx_m + dy_m * dy_m < 200.0 * 200.0) kept->near[step] = 1;
+    }
+    kept->steps = step;
+  }
+}
+
+static const struct near_sites* map_of(const aloft_wire_ChannelReport* report) {
+  if (report->stream >= STREAMS) return NULL;
+  const struct near_sites* kept = &maps[report->stream];
+  const int fits = kept->episode_id == report->episode_id && kept->attempt == report->attempt;
+  return fits && report->step < kept->steps ? kept : NULL;
+}
+
+/* The whole agent. False if the map that it needs is not there yet: the report comes again, and the map with it. */
+static int decide(const aloft_wire_ChannelReport* report, int has_map, aloft_wire_Action* action) {
+  const struct near_sites* map = has_map ? map_of(report) : NULL;
+  if (has_map && map == NULL) return 0;
+  if (map != NULL && map->near[report->step + 1])
+    *action = report->height_m < report->height_max_m ? aloft_wire_ACTION_UP : aloft_wire_ACTION_HOLD;
+  else
+    *action = report->height_m > report->height_min_m ? aloft_wire_ACTION_DOWN : aloft_wire_ACTION_HOLD;
+  return 1;
+}
+
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    fprintf(stderr, "usage: foreign-agent DOMAIN RUN WORKER AGENT\n");
+  const int has_map = argc == 6 && strcmp(argv[5], "site-map") == 0;
+  if (argc != 5 && !has_map) {
+    fprintf(stderr, "usage: foreign-agent DOMAIN RUN WORKER AGENT [site-map]\n");
     return 2;
   }
   const char* agent = argv[4];
@@ -67,6 +118,22 @@ int main(int argc, char** argv) {
   dds_qos_t* report_qos = reliable(8);
   const dds_entity_t reports = checked(dds_create_reader(subscriber, report_topic, report_qos, NULL), "a reader");
 
+  /* The site map has a partition of its own. */
+  dds_entity_t site_maps = 0;
+  if (has_map) {
+    char map_partition[300];
+    snprintf(map_partition, sizeof map_partition, "%s/site-map", partition);
+    const char* map_partitions[] = {map_partition};
+    dds_qos_t* in_map_partition = dds_create_qos();
+    dds_qset_partition(in_map_partition, 1, map_partitions);
+    const dds_entity_t map_subscriber =
+        checked(dds_create_subscriber(participant, in_map_partition, NULL), "a subscriber");
+    dds_delete_qos(in_map_partition);
+    const dds_entity_t map_topic =
+        checked(dds_create_topic(participant, &aloft_wire_SiteMap_desc, "SiteMap", NULL, NULL), "SiteMap");
+    site_maps = checked(dds_create_reader(map_subscriber, map_topic, report_qos, NULL), "a reader");
+  }
+
   dds_qos_t* command_qos = reliable(8);
   dds_qset_ownership(command_qos, DDS_OWNERSHIP_EXCLUSIVE);
   dds_qset_ownership_strength(command_qos, 10);
@@ -86,7 +153,7 @@ int main(int argc, char** argv) {
   copy_name(status.process, sizeof status.process, "foreign-agent");
   copy_name(status.type, sizeof status.type, "external");
   status.protocol_version = aloft_wire_PROTOCOL_VERSION;
-  status.privilege = aloft_wire_PRIVILEGE_NONE;
+  status.privilege = has_map ? aloft_wire_PRIVILEGE_SITE_MAP : aloft_wire_PRIVILEGE_NONE;
   status.pid = (uint32_t)getpid();
   status.state = aloft_wire_AGENT_READY;
 
@@ -99,21 +166,26 @@ int main(int argc, char** argv) {
       next_status = dds_time() + DDS_MSECS(500);
     }
 
-    static void* samples[64];
     dds_sample_info_t infos[64];
+    static void* told[64];
+    const int32_t maps_told = has_map ? dds_take(site_maps, told, infos, 64, 64) : 0;
+    for (int32_t i = 0; i < maps_told; ++i)
+      if (infos[i].valid_data) keep_map(told[i]);
+    if (maps_told > 0) dds_return_loan(site_maps, told, maps_told);
+
+    static void* samples[64];
     const int32_t count = dds_take(reports, samples, infos, 64, 64);
     for (int32_t i = 0; i < count; ++i) {
       const aloft_wire_ChannelReport* report = samples[i];
       if (!infos[i].valid_data || report->last || strcmp(report->agent, agent) != 0) continue;
       static aloft_wire_HeightCommand command;
+      if (!decide(report, has_map, &command.action)) continue;
       command.stream = report->stream;
       command.protocol_version = aloft_wire_PROTOCOL_VERSION;
       command.episode_id = report->episode_id;
       command.attempt = report->attempt;
       command.step = report->step + 1;
       copy_name(command.agent, sizeof command.agent, agent);
-      /* The whole agent: stay as low as allowed. */
-      command.action = report->height_m > report->height_min_m ? aloft_wire_ACTION_DOWN : aloft_wire_ACTION_HOLD;
       if (dds_write(commands, &command) < 0) fprintf(stderr, "foreign-agent: a command was not written\n");
     }
     if (count > 0) dds_return_loan(reports, samples, count);

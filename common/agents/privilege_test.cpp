@@ -30,6 +30,13 @@ TEST_CASE("a mark follows the name, and is explained") {
         "every height");
 }
 
+TEST_CASE("privileged agents are flown by the process whose role reads what they are told in secured runs") {
+  for (const AgentType& type : agent_types()) {
+    INFO(type.name);
+    CHECK((type.privilege == Privilege::none || type.hosted_by() == Host::baseline_agent));
+  }
+}
+
 TEST_CASE("an agent has the privilege of its type, a relay the highest of its crew") {
   const auto of = [](const char* name) { return parse_agents(name, "").front(); };
   CHECK(of("min-height").privilege() == Privilege::none);

@@ -159,8 +159,9 @@ TEST_CASE("a secured run flies the same bytes as an unsecured one") {
   const ScratchDir scratch;
   make_all_keys(scratch / "keys");
   write_text(scratch / "experiment.json", R"({"name": "secured", "seed": 11, "trials": 3,
-    "world": {"kind": "generated", "bs_density_per_km2": [1, 5], "steps": 30},
-    "agents": ["min-height", "one-step-ahead", "optimal-height", "planner", {"type": "dqn", "epochs": 5},
+    "world": {"kind": "generated", "bs_density_per_km2": [1, 5], "steps": 30,
+              "site_map_error_m": 25, "site_map_route_points": 10},
+    "agents": ["min-height", "one-step-ahead", "optimal-height", "planner", "site-filter", {"type": "dqn", "epochs": 5},
                {"type": "dqn", "name": "lifelong", "epochs": 2, "hidden_width": 16, "memory": "lifelong"}]})");
   const auto digest = [&](const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> command{"aloft",

@@ -1,19 +1,22 @@
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include "common/agents/registry.hpp"
+#include "common/agents/smoothed_levels.hpp"
 #include "common/agents/steering.hpp"
 
 namespace aloft::agents {
 namespace {
 
 /// Knows the whole route and flies the best feasible flight: the largest sum of quality with at most one level per
-/// step, by dynamic programming (Bellman) from the last step to the first. On ties it prefers hold, then down.
+/// step, by dynamic programming (Bellman) from the last step to the first. On ties it prefers hold, then down. With
+/// smoothing it knows about what an agent without foresight could know at best: the stations and the buildings, but not
+/// the fading.
 class Planner final : public SteeringAgent {
  public:
-  explicit Planner(const Parameters& parameters) : SteeringAgent("planner", parameters) {}
+  explicit Planner(const Parameters& parameters)
+      : SteeringAgent("planner", parameters), smoothing_m_(parameters.number("smoothing_m")) {}
 
   void begin(const FlightInfo& flight) override {
     SteeringAgent::begin(flight);
@@ -25,8 +28,8 @@ class Planner final : public SteeringAgent {
   void foresee(const HeightProfile& profile) override {
     if (profile.step != quality_.size() / levels_ + 1)
       throw std::logic_error("the planner must be shown all steps in order");
-    const auto stride = static_cast<std::size_t>(std::floor(flight().height_step_m / profile.resolution_m + 0.5));
-    for (std::size_t level = 0; level < levels_; ++level) quality_.push_back(profile.qos.at(level * stride));
+    const std::vector<double> column = smoothed_levels(profile, flight(), smoothing_m_);
+    quality_.insert(quality_.end(), column.begin(), column.end());
     if (profile.step == flight().steps) plan();
   }
 
@@ -73,16 +76,27 @@ class Planner final : public SteeringAgent {
     actions_.assign(actions.begin(), actions.end());
   }
 
+  double smoothing_m_;
   std::size_t levels_ = 1;
   std::vector<double> quality_;        // [(step - 1) * levels_ + level]
   std::vector<std::int64_t> actions_;  // [steps flown * levels_ + level]
 };
+
+/// Implied: experiments from before it name no smoothing.
+ParameterSpec smoothing() {
+  ParameterSpec spec =
+      number_parameter("smoothing_m", 0.0, 0.0, 1000.0,
+                       "Takes the mean over heights up to this far away, against fading: then no upper bound.");
+  spec.default_is_implied = true;
+  return spec;
+}
 
 const bool planner_registered =
     register_agent({.name = "planner",
                     .description = "Knows the whole route and flies the best flight that is feasible: the upper bound.",
                     .privilege = Privilege::whole_route,
                     .looks = {{"planner", 70, "#c05f94", "#eaa3c6", {4, 2}}},
+                    .parameters = {smoothing()},
                     .make = [](const Parameters& parameters) { return std::make_unique<Planner>(parameters); }});
 
 }  // namespace

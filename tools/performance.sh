@@ -101,7 +101,7 @@ TEXT
   cat << 'TEXT'
 
 ## Where the time of a condition goes
-`aloft run data/experiments/quick.json` with one worker: eight agents, four conditions, 5 trials each, 160 flights.
+`aloft run data/experiments/quick.json` with one worker: ten agents, four conditions, 5 trials each, 200 flights.
 The learning agent trains (and talks), the channel makes the SE tables and flies, the environment makes the cities.
 
 | process | CPU s | share | peak MB |

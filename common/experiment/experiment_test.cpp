@@ -359,7 +359,7 @@ TEST_CASE("the shipped experiments have the documented conditions, trials and ag
   CHECK(shipped("bs-density.json").trials == 100);
   CHECK(shipped("measured.json").conditions.size() == 1);
   const Experiment quick = shipped("quick.json");
-  CHECK(quick.agents.size() == 8);
+  CHECK(quick.agents.size() == 10);
   CHECK(quick.conditions.back().kind == WorldKind::measured);
 }
 

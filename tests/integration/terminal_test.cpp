@@ -127,7 +127,7 @@ TEST_CASE("nothing wraps in terminals of 60, 80 and 200 columns", "[terminal]") 
     CHECK_THAT(table, Contains("dqn-with-a-long-name") && Contains("gain over min-height"));
     CHECK((table.find("[quartiles]") != std::string::npos && table.find("Left out") == std::string::npos) == wide);
     CHECK_THAT(shown({"aloft", "compare", out, out}, columns), Contains("random-walk") && Contains("B - A"));
-    CHECK_THAT(shown({"aloft", "validate", "quick"}, columns), Contains("640 flights"));
+    CHECK_THAT(shown({"aloft", "validate", "quick"}, columns), Contains("800 flights"));
     CHECK_THAT(shown({"aloft", "agents"}, columns), Contains("height-filter") && Contains("true or false"));
     const std::string tournament =
         shown({"aloft", "tournament", "--trials", "2", "--agents", "min-height,planner,local-bandit", "--in-process",

@@ -49,10 +49,10 @@ struct CommandExamples {
 
 const CommandExamples all_examples[] = {
     {"",
-     {{"a first look: eight agents, a minute on two cores", "aloft run quick"},
+     {{"a first look: ten agents, a minute on two cores", "aloft run quick"},
       {"all about one command", "aloft help run"}}},
     {"run",
-     {{"a first look: eight agents, a minute on two cores", "aloft run quick"},
+     {{"a first look: ten agents, a minute on two cores", "aloft run quick"},
       {"the paper's sweep; after Ctrl-C the same goes on", "aloft run bs-density --workers 2"},
       {"another setting goes into another folder",
        "aloft run bs-density --set world.los_ray=geometric --out results/ray"},

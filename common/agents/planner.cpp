@@ -1,8 +1,7 @@
-#include <algorithm>
 #include <stdexcept>
-#include <vector>
 
 #include "common/agents/registry.hpp"
+#include "common/agents/route_plan.hpp"
 #include "common/agents/smoothed_levels.hpp"
 #include "common/agents/steering.hpp"
 
@@ -20,66 +19,32 @@ class Planner final : public SteeringAgent {
 
   void begin(const FlightInfo& flight) override {
     SteeringAgent::begin(flight);
-    levels_ = level_count(flight);
-    quality_.clear();
-    actions_.clear();
+    plan_ = RoutePlan(level_count(flight));
   }
 
   void foresee(const HeightProfile& profile) override {
-    if (profile.step != quality_.size() / levels_ + 1)
-      throw std::logic_error("the planner must be shown all steps in order");
-    const std::vector<double> column = smoothed_levels(profile, flight(), smoothing_m_);
-    quality_.insert(quality_.end(), column.begin(), column.end());
-    if (profile.step == flight().steps) plan();
+    if (profile.step != plan_.steps() + 1) throw std::logic_error("the planner must be shown all steps in order");
+    plan_.expect(smoothed_levels(profile, flight(), smoothing_m_));
+    if (profile.step == flight().steps) plan_.solve();
   }
 
   Command act() override {
-    const std::size_t at = std::size_t{step()} * levels_ + level();
-    if (at >= actions_.size()) throw std::logic_error("the planner was not shown the whole route");
-    return {static_cast<Action>(actions_[at])};
+    if (plan_.steps() != flight().steps || !plan_.covers(step() + 1))
+      throw std::logic_error("the planner was not shown the whole route");
+    return {plan_.action(step() + 1, level())};
   }
 
  private:
-  /// Fills actions_ backwards: value[k] is the best sum of the steps still to come from level k.
-  void plan() {
-    actions_.resize(quality_.size());
-    std::vector<double> value(levels_, 0.0);
-    std::vector<double> arrival(levels_);
-    for (std::size_t step = flight().steps; step-- > 0;) {
-      for (std::size_t k = 0; k < levels_; ++k) arrival[k] = quality_[step * levels_ + k] + value[k];
-      for (std::size_t k = 0; k < levels_; ++k) {
-        Action best = Action::hold;
-        value[k] = arrival[k];
-        const auto consider = [&](Action action, std::size_t to) {
-          if (arrival[to] <= value[k]) return;
-          best = action;
-          value[k] = arrival[to];
-        };
-        if (k > 0) consider(Action::down, k - 1);
-        if (k + 1 < levels_) consider(Action::up, k + 1);
-        actions_[step * levels_ + k] = static_cast<std::int64_t>(best);
-      }
-    }
-  }
-
-  void save(StateWriter& writer) const override { writer.put("plan", actions_); }
+  void save(StateWriter& writer) const override { plan_.save(writer); }
 
   void restore(const StateReader& reader) override {
-    levels_ = level_count(flight());
-    const auto actions = reader.integers("plan");
-    const std::size_t size = std::size_t{flight().steps} * levels_;
-    if (!actions.empty() && actions.size() != size) reader.refuse("its plan does not fit its flight");
-    if (std::ranges::any_of(actions, [](std::int64_t action) {
-          return action < static_cast<std::int64_t>(Action::down) || action > static_cast<std::int64_t>(Action::up);
-        }))
-      reader.refuse("its plan has an unknown action");
-    actions_.assign(actions.begin(), actions.end());
+    plan_ = RoutePlan(level_count(flight()));
+    plan_.restore(reader, flight().steps);
+    if (plan_.steps() != 0 && plan_.steps() != flight().steps) reader.refuse("its plan does not fit its flight");
   }
 
   double smoothing_m_;
-  std::size_t levels_ = 1;
-  std::vector<double> quality_;        // [(step - 1) * levels_ + level]
-  std::vector<std::int64_t> actions_;  // [steps flown * levels_ + level]
+  RoutePlan plan_{1};
 };
 
 /// Implied: experiments from before it name no smoothing.

@@ -169,7 +169,7 @@ void put(wire::World& message, const world::MeasuredWorld& measured) {
   target.throughput_kbps(flight.throughput_kbps);
   target.sinr_db(flight.sinr_db);
   target.serving_cell(flight.serving_cell);
-  if (measured.known) put(target, *measured.known);
+  put(target, measured.known.value_or(world::MeasuredSites{}));
 }
 
 agents::FlightInfo flight_info(const wire::ChannelReport& report) {

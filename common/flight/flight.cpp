@@ -101,11 +101,13 @@ agents::SiteMap Flight::site_map(bool update) const {
         "depend on the flight; use the route rule 'nearest', or leave this agent out");
   agents::SiteMap map;
   map.step = observation_.step;
-  map.known = survey->map;
-  if (update)
-    map.known.sites.clear();
-  else
+  map.known.position_error_m = survey->map.position_error_m;
+  map.known.missing = survey->map.missing;
+  map.known.route_points = survey->map.route_points;
+  if (!update) {
+    map.known.sites = survey->map.sites;
     map.radio = survey->radio;
+  }
   const std::uint32_t told = survey->map.route_points;
   const std::uint32_t ahead = info_.steps - observation_.step;
   for (std::uint32_t i = 1; i <= (told == 0 ? ahead : std::min(told, ahead)); ++i)

@@ -435,8 +435,7 @@ class Kit {
       return {};
     }
     return "survey() takes a map that an agent without the privilege may not have: declare the privilege in its type, "
-           "or "
-           "leave survey() as Agent has it";
+           "or leave survey() as Agent has it";
   }
 
   std::string check_foreseeing() {

@@ -58,7 +58,6 @@ struct AgentHost {
     liveliness.add(commands);
     waiter.add(follower.reader());
     waiter.add(reports);
-    if (options.threads > 0) pool.emplace(options.threads);
   }
 
   void run() {
@@ -103,6 +102,7 @@ struct AgentHost {
     if (role.member != nullptr && !followed) followed.emplace(participant);
     // Only a process that serves an agent of this tier joins the partition of the site maps, or that of the height
     // profiles, which show the future.
+    if (computes(spec) && !pool) pool.emplace(options.threads);
     if (type.privilege == agents::Privilege::site_map && !site_maps) waiter.add(site_maps.emplace(participant));
     if (agents::foresees(type.privilege) && !profiles) {
       profiles.emplace(participant);
@@ -220,9 +220,16 @@ struct AgentHost {
     }
   }
 
+  /// Whether the agent can compute for long: not in the loop, which must answer for the others and say that the process
+  /// is there. Learners do, and who surveys: a wrong map is drawn many times.
+  [[nodiscard]] bool computes(const agents::AgentSpec& agent) const {
+    return options.host == agents::Host::learning_agent ||
+           agents::agent_type(agent.type).privilege == agents::Privilege::site_map;
+  }
+
   void go_on(Seat& seat, Verdict verdict) {
     if (verdict != Verdict::think) return send(seat, verdict);
-    if (!pool) {
+    if (!computes(seat.pilot.spec())) {
       seat.pilot.task().run();
       finish(seat);
       return;

@@ -12,7 +12,7 @@ namespace aloft::agent_host {
 
 struct AgentHostOptions {
   agents::Host host{};                ///< agents of this host's types are served
-  unsigned threads = 0;               ///< for the agents' computations; 0: they run in the loop itself
+  unsigned threads = 1;               ///< for agents that can compute for long; the others run in the loop itself
   std::uint32_t strength = 10;        ///< DDS ownership strength: the strongest live process flies
   std::vector<std::string> agents{};  ///< serve only these; empty: all
 };

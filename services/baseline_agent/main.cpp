@@ -1,4 +1,5 @@
 // The agents that do not learn: the paper's baselines and the planners.
+#include "common/base/cores.hpp"
 #include "services/agent_host/agent_host.hpp"
 #include "services/runtime/service.hpp"
 
@@ -7,7 +8,7 @@ int main(int argc, char** argv) {
   const runtime::ServiceInfo info{.name = "aloft-baseline-agent",
                                   .description = "Flies UAVs with the agents that do not learn.",
                                   .in_worker = true};
-  agent_host::AgentHostOptions options{.host = agents::Host::baseline_agent, .threads = 0};
+  agent_host::AgentHostOptions options{.host = agents::Host::baseline_agent, .threads = usable_cores()};
   return runtime::run_service(
       argc, argv, info,
       [&](CLI::App& app) {

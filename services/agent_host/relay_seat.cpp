@@ -57,12 +57,13 @@ bool RelaySeat::hear(const wire::ChannelReport& report, const Pilot& pilot) {
   attempt_ = report.attempt();
   step_ = report.step();
   const bool asked = report.agent() == member_.agent.name;
+  const bool asked_anew = asked && !asked_;
   if (asked != asked_) {
     asked_ = asked;
     const std::uint32_t turn = ((attempt_ % attempts_told_apart + 1) << step_bits) + step_;
     writer_.set_strength(asked_ ? turn : standby_strength());
-    if (asked_) claim(report);
   }
+  if (asked_ && (asked_anew || repeated_)) claim(report);
   return asked_ || member_.shadow || pilot.aboard(report);
 }
 

@@ -33,7 +33,8 @@ class RelaySeat {
  private:
   [[nodiscard]] std::uint32_t standby_strength() const noexcept;
   /// A writer owns only streams that it has written to. This command, which the channel ignores, makes the stream the
-  /// member's before it has computed its first one: else commands of members that stand by would be delivered.
+  /// member's before it has computed its first one: else commands of members that stand by would be delivered. It is
+  /// repeated with the report, because readers can learn the strength of a writer later than what it wrote.
   void claim(const wire::ChannelReport& report);
 
   LivelinessTimer& liveliness_;

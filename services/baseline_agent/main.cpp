@@ -1,4 +1,4 @@
-// The agents that do not learn: the paper's baselines and the planners.
+// All agents but those with a network: the paper's baselines, the filters and the planners.
 #include "common/base/cores.hpp"
 #include "services/agent_host/agent_host.hpp"
 #include "services/runtime/service.hpp"
@@ -6,7 +6,7 @@
 int main(int argc, char** argv) {
   using namespace aloft;
   const runtime::ServiceInfo info{.name = "aloft-baseline-agent",
-                                  .description = "Flies UAVs with the agents that do not learn.",
+                                  .description = "Flies UAVs with all agents but those of aloft-learning-agent.",
                                   .in_worker = true};
   agent_host::AgentHostOptions options{.host = agents::Host::baseline_agent, .threads = usable_cores()};
   return runtime::run_service(

@@ -26,8 +26,12 @@ void RoutePlan::solve() {
   }
 }
 
+std::span<const double> RoutePlan::values(std::uint32_t step) const {
+  return std::span(value_).subspan((step - first_step_) * levels_, levels_);
+}
+
 Action RoutePlan::action(std::uint32_t step, std::uint32_t level) const {
-  const double* value = value_.data() + (step - first_step_) * levels_;
+  const std::span<const double> value = values(step);
   std::uint32_t best = level;
   if (level > 0 && value[level - 1] > value[best]) best = level - 1;
   if (level + 1 < levels_ && value[level + 1] > value[best]) best = level + 1;

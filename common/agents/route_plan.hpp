@@ -36,6 +36,8 @@ class RoutePlan {
   void expect_instead(std::vector<double> qualities) { expected_ = std::move(qualities); }
   /// To be called after all expectations.
   void solve();
+  /// [level]: the best sum of this step and all later ones.
+  [[nodiscard]] std::span<const double> values(std::uint32_t step) const;
   /// The action for this step that begins the best flight from `level`; on ties hold, then down.
   [[nodiscard]] Action action(std::uint32_t step, std::uint32_t level) const;
 

@@ -32,14 +32,12 @@ class SiteFilter final : public SitePlanner {
   void begin(const FlightInfo& flight) override {
     SitePlanner::begin(flight);
     belief_.reset();
-    route_.clear();
-    first_step_ = 1;
   }
 
   void observe(const Observation& observation) override {
+    const std::optional<world::Position> place = route().place(observation.step);
     SitePlanner::observe(observation);
     if (!belief_) return;
-    const std::optional<world::Position> place = take_place(observation.step);
     const auto& sites = known().map.sites;
     const auto serving = std::ranges::find(sites, observation.serving_cell, &world::Site::cell);
     if (place && serving != sites.end())
@@ -69,31 +67,15 @@ class SiteFilter final : public SitePlanner {
     return std::make_unique<SiteBelief>(known(), settings_, RandomStream(flight().seed, flight().trial, "site filter"));
   }
 
-  void look_ahead(const SiteMap& map) override {
-    if (!learns()) return SitePlanner::look_ahead(map);
+  void look_ahead(std::uint32_t step, std::size_t new_places) override {
+    if (!learns()) return SitePlanner::look_ahead(step, new_places);
     if (!belief_) belief_ = make_belief();
-    if (map.step + 1 > first_step_ + route_.size()) {  // nothing is known of the steps before
-      route_.clear();
-      first_step_ = map.step + 1;
-    }
-    const std::size_t told = first_step_ + route_.size() - (map.step + 1);
-    for (std::size_t i = told; i < map.route.size(); ++i) route_.push_back(map.route[i]);
-  }
-
-  /// The place of a report, if the route has it; the route then begins after it.
-  std::optional<world::Position> take_place(std::uint32_t step) {
-    if (step < first_step_ || step >= first_step_ + route_.size()) return std::nullopt;
-    const std::size_t past = step - first_step_;
-    const world::Position place = route_[past];
-    route_.erase(route_.begin(), route_.begin() + static_cast<std::ptrdiff_t>(past) + 1);
-    first_step_ = step + 1;
-    return place;
   }
 
   void plan_ahead() {
-    plan().forget_before(first_step_);
+    plan().forget_before(route().first_step());
     const auto earlier = plan().expected();
-    std::vector<double> expected = mean_columns(std::min(horizon_, route_.size()));
+    std::vector<double> expected = mean_columns(std::min(horizon_, route().steps()));
     for (std::size_t i = 0; i < std::min(earlier.size(), expected.size()); ++i)
       expected[i] = memory_ * earlier[i] + (1.0 - memory_) * expected[i];
     plan().expect_instead(std::move(expected));
@@ -112,7 +94,7 @@ class SiteFilter final : public SitePlanner {
       if (field.levels() != levels) throw std::logic_error("the site map is of other heights");
       double* sum = mean.data();
       for (std::size_t w = 0; w < points; ++w) {
-        field.column(route_[w], column.data());
+        field.column(route().places()[w], column.data());
         for (std::size_t k = 0; k < levels; ++k) *sum++ += particle.weight * column[k];
       }
     }
@@ -121,23 +103,12 @@ class SiteFilter final : public SitePlanner {
 
   void save(StateWriter& writer) const override {
     SitePlanner::save(writer);
-    writer.put_integer("next_step", first_step_);
-    std::vector<double> route;
-    for (const world::Position& point : route_) route.insert(route.end(), {point.x_m, point.y_m});
-    writer.put("route", std::span<const double>(route));
     writer.put_integer("learns", belief_ ? 1 : 0);
     if (belief_) belief_->save(writer);
   }
 
   void restore(const StateReader& reader) override {
     SitePlanner::restore(reader);
-    first_step_ = static_cast<std::uint32_t>(reader.integer("next_step"));
-    const auto route = reader.doubles("route");
-    if (route.size() % 2 != 0) reader.refuse("its route is cut");
-    if (!std::ranges::all_of(route, [](double metres) { return std::isfinite(metres); }))
-      reader.refuse("its route has a number that is not finite");
-    route_.clear();
-    for (std::size_t i = 0; i < route.size(); i += 2) route_.push_back({route[i], route[i + 1]});
     belief_.reset();
     if (reader.integer("learns") == 0) return;
     if (!surveyed() || !learns()) reader.refuse("it learns a map that it does not have");
@@ -152,8 +123,6 @@ class SiteFilter final : public SitePlanner {
   double memory_;
   SiteBelief::Settings settings_;
   std::unique_ptr<SiteBelief> belief_;  // if it learns
-  std::uint32_t first_step_ = 1;
-  std::vector<world::Position> route_;  // of first_step_ and later
 };
 
 std::vector<ParameterSpec> site_filter_parameters() {

@@ -14,6 +14,10 @@ namespace aloft::agents {
 namespace {
 
 constexpr std::size_t places_looked_at = 16;  // of the route
+// What the last reports tell of the maps is worth nothing far ahead; 20 steps were no better.
+constexpr std::size_t weighed_steps = 10;
+// Columns of longer flights, or of more maps, are not kept, so the maps are not weighed: 32 MB.
+constexpr std::size_t most_kept = std::size_t{1} << 23U;
 
 }  // namespace
 
@@ -38,7 +42,9 @@ void SitePlanner::begin(const FlightInfo& flight) {
   survey_.reset();
   blocked_ = false;
   fields_.clear();
+  route_ = {};
   plan_ = RoutePlan(level_count(flight));
+  belief_.reset();
 }
 
 void SitePlanner::survey(const SiteMap& map) {
@@ -46,18 +52,40 @@ void SitePlanner::survey(const SiteMap& map) {
     survey_ = survey_from(map);
     blocked_ = often_blocked(map.route);
   }
-  look_ahead(map);
+  look_ahead(map.step + 1, route_.hear(map));
 }
 
-void SitePlanner::look_ahead(const SiteMap& map) {
-  plan_.forget_before(map.step + 1);
-  plan_.expect(mean_columns(std::span(map.route).subspan(std::min(plan_.steps(), map.route.size()))));
+void SitePlanner::look_ahead(std::uint32_t step, std::size_t new_places) {
+  plan_.forget_before(step);
+  if (new_places > 0) expect_on_maps(new_places, true);
   plan_.solve();
+}
+
+void SitePlanner::observe(const Observation& observation) {
+  SteeringAgent::observe(observation);
+  if (belief_) {
+    belief_->learn(observation.step, level(), observation.serving_sinr_db);
+    belief_->forget_before(observation.step + 1);
+  }
+  route_.forget_before(observation.step + 1);
 }
 
 Command SitePlanner::act() {
   if (!plan_.covers(step() + 1)) throw std::logic_error(fmt::format("{} was not told the route ahead", type_));
-  return {plan_.action(step() + 1, level())};
+  return {belief_ ? weighed_action() : plan_.action(step() + 1, level())};
+}
+
+/// The best flight over the next steps by the weighed maps, and after them by the mean over all.
+Action SitePlanner::weighed_action() const {
+  const std::uint32_t next = step() + 1;
+  const std::size_t steps = std::min(weighed_steps, belief_->steps());
+  RoutePlan ahead(plan_.levels());
+  ahead.forget_before(next);
+  ahead.expect(belief_->mean_columns(next, steps));
+  if (const auto after = next + static_cast<std::uint32_t>(steps); plan_.covers(after))
+    ahead.expect(plan_.values(after));
+  ahead.solve();
+  return ahead.action(next, level());
 }
 
 /// How many maps there are to take the mean of.
@@ -111,30 +139,41 @@ std::unique_ptr<radio::ExpectedField> SitePlanner::make_field(int i) const {
   return field;
 }
 
-/// The expected columns at these points of the route, [point][level]: the mean over the maps.
-std::vector<double> SitePlanner::mean_columns(std::span<const world::Position> points) {
+/// Computes the columns of the last `new_places` of the route on every map: the plan gets their mean, the belief all.
+void SitePlanner::expect_on_maps(std::size_t new_places, bool also_plan) {
   const std::size_t levels = plan_.levels();
-  std::vector<double> mean(points.size() * levels, 0.0);
+  const auto maps = static_cast<std::size_t>(map_count());
+  const bool keep = maps > 1 && route_.steps() * maps * levels <= most_kept;
+  const std::size_t known = route_.steps() - new_places;
+  std::vector<double> mean(new_places * levels, 0.0);
   std::vector<double> column(levels);
-  for (int i = 0; i < map_count() && !points.empty(); ++i) {
+  std::vector<std::vector<float>> of_maps(keep ? new_places : 0);
+  for (std::size_t i = 0; i < maps; ++i) {
     std::unique_ptr<radio::ExpectedField> made;
-    if (static_cast<std::size_t>(i) >= fields_.size()) made = make_field(i);
-    radio::ExpectedField& field = made ? *made : *fields_[static_cast<std::size_t>(i)];
-    double* sum = mean.data();
-    for (const world::Position& point : points) {
-      field.column(point, column.data());
-      for (std::size_t k = 0; k < levels; ++k) *sum++ += column[k];
+    if (i >= fields_.size()) made = make_field(static_cast<int>(i));
+    radio::ExpectedField& field = made ? *made : *fields_[i];
+    for (std::size_t w = 0; w < new_places; ++w) {
+      field.column(route_.places()[known + w], column.data());
+      for (std::size_t k = 0; k < levels; ++k) mean[w * levels + k] += column[k];
+      if (keep) of_maps[w].insert(of_maps[w].end(), column.begin(), column.end());
     }
     if (made && told_in_parts()) fields_.push_back(std::move(made));
   }
-  for (double& value : mean) value /= map_count();
-  return mean;
+  for (double& value : mean) value /= static_cast<double>(maps);
+  if (also_plan) plan_.expect(mean);
+  if (!keep) return belief_.reset();
+  if (!belief_) belief_.emplace(maps, levels);
+  for (std::size_t w = 0; w < new_places; ++w)
+    belief_->expect(route_.first_step() + static_cast<std::uint32_t>(known + w), std::move(of_maps[w]));
 }
 
 void SitePlanner::save(StateWriter& writer) const {
   save_survey(writer, survey_);
   writer.put_integer("blocked", blocked_ ? 1 : 0);
+  route_.save(writer);
   plan_.save(writer);
+  writer.put_integer("weighs", belief_ ? 1 : 0);
+  if (belief_) belief_->save(writer);
 }
 
 void SitePlanner::restore(const StateReader& reader) {
@@ -143,12 +182,20 @@ void SitePlanner::restore(const StateReader& reader) {
   blocked_ = reader.integer("blocked") != 0;
   plan_ = RoutePlan(level_count(flight()));
   plan_.restore(reader, flight().steps);
-  if (!survey_ || !told_in_parts()) return;
+  route_.restore(reader, flight().steps);
+  belief_.reset();
+  const bool weighs = reader.integer("weighs") != 0;
+  if (!survey_) return;
   try {
-    static_cast<void>(make_field(0));  // whether it fits
+    if (weighs)
+      expect_on_maps(route_.steps(), false);
+    else if (told_in_parts())
+      static_cast<void>(make_field(0));  // whether it fits
   } catch (const std::exception& error) {
     reader.refuse(error.what());
   }
+  if (weighs != belief_.has_value()) reader.refuse("its maps are not as many as it says");
+  if (belief_) belief_->restore(reader);
 }
 
 namespace {

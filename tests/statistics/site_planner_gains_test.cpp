@@ -25,13 +25,13 @@ TEST_CASE("site-planner gains what an independent implementation gained on the s
   CHECK(gain({{"building_density_per_km2", 300}}, 2.5) == Approx(5.39).margin(0.05));
 }
 
-TEST_CASE("site-planner with wrong maps, which it averages over") {
+TEST_CASE("site-planner with wrong maps, which it weighs by its reports") {
   CHECK(gain({{"site_map_error_m", 10}}, 2.5) >= 4.6);
   CHECK(gain({{"site_map_error_m", 25}}, 2.5) >= 3.8);
-  CHECK(gain({{"site_map_error_m", 50}}, 2.5) >= 2.8);
+  CHECK(gain({{"site_map_error_m", 50}}, 2.5) >= 3.5);
   CHECK(gain({{"site_map_error_m", 10}}, 5) >= 6.2);
-  CHECK(gain({{"site_map_error_m", 25}}, 5) >= 4.6);
-  CHECK(gain({{"site_map_error_m", 50}}, 5) >= 3.2);
+  CHECK(gain({{"site_map_error_m", 25}}, 5) >= 6.0);  // the mean without weights: 5.3
+  CHECK(gain({{"site_map_error_m", 50}}, 5) >= 4.7);  // 4.05
 }
 
 TEST_CASE("site-planner with a short horizon, gaps in the map, or correlated fading") {
@@ -43,8 +43,9 @@ TEST_CASE("site-planner with a short horizon, gaps in the map, or correlated fad
 
 TEST_CASE("site-planner where buildings block most links") {
   const json geometric{{"preset", "geometric"}};
-  CHECK(gain(geometric, 2.5) > gain(geometric, 2.5, "height-filter"));
-  CHECK(gain(geometric, 2.5) >= 2.0);  // with line of sight everywhere: -0.6
+  // The best agent with reports only: 6.5 and 2.2. With line of sight everywhere: -0.6 at 2.5 BS per km2.
+  for (const double bs_per_km2 : {1.0, 2.5})
+    CHECK(gain(geometric, bs_per_km2) > gain(geometric, bs_per_km2, "height-filter") + 0.2);
   // Heights hardly matter in the world of the paper's text: no agent is better than the lowest by more than 0.01.
   CHECK(gain({{"preset", "paper-text"}}, 2.5) == Approx(0.0).margin(0.02));
 }

@@ -2,6 +2,7 @@
 
 #include <Random123/philox.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -27,6 +28,15 @@ struct PhiloxKey {
     const auto four = philox({{a, b[i], c[i], trial}}, {{key.low, key.high}});
     for (std::size_t w = 0; w < 4; ++w) words[4 * i + w] = four[w];
   }
+}
+
+/// Uniform in (0, 1) from two words, the high one first.
+[[gnu::always_inline]] inline double uniform_of(std::uint64_t high, std::uint64_t low) noexcept {
+  return (static_cast<double>(((high << 32U) | low) >> 12U) + 0.5) * 0x1p-52;
+}
+
+[[gnu::always_inline]] inline void uniform_loop(const std::uint32_t* words, std::size_t size, double* values) {
+  for (std::size_t i = 0; i < size; ++i) values[i] = uniform_of(words[2 * i], words[2 * i + 1]);
 }
 
 }  // namespace
@@ -59,7 +69,28 @@ std::uint32_t RandomStream::next_u32() noexcept {
 double RandomStream::uniform() noexcept {
   const std::uint64_t high = next_u32();
   const std::uint64_t low = next_u32();
-  return (static_cast<double>(((high << 32U) | low) >> 12U) + 0.5) * 0x1p-52;
+  return uniform_of(high, low);
+}
+
+void RandomStream::uniforms(std::span<double> values) noexcept {
+  constexpr std::size_t most = 64;  // blocks at once
+  std::array<std::uint32_t, most> low;
+  std::array<std::uint32_t, most> high;
+  std::array<std::uint32_t, 4 * most> words;
+  for (; position_ % 4 != 0 && !values.empty(); values = values.subspan(1)) values.front() = uniform();
+  while (values.size() >= 2) {
+    const std::size_t count = std::min(most, values.size() / 2);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint64_t wanted = position_ / 4 + i;
+      low[i] = static_cast<std::uint32_t>(wanted);
+      high[i] = static_cast<std::uint32_t>(wanted >> 32U);
+    }
+    blocks(sequential_marker, std::span(low).first(count), std::span(high).first(count), words.data());
+    run_vectorised<uniform_loop>(words.data(), 2 * count, values.data());
+    position_ += 4 * count;
+    values = values.subspan(2 * count);
+  }
+  for (double& value : values) value = uniform();
 }
 
 std::uint32_t RandomStream::uniform_index(std::uint32_t n) noexcept {

@@ -26,6 +26,8 @@ class RandomStream {
   std::uint32_t next_u32() noexcept;
   /// Uniform in (0, 1), 53 bits, never 0 or 1.
   double uniform() noexcept;
+  /// As many uniform() as there are places, sooner.
+  void uniforms(std::span<double> values) noexcept;
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
   /// Uniform in {0, ..., n - 1} without bias; n >= 1.
   std::uint32_t uniform_index(std::uint32_t n) noexcept;

@@ -57,6 +57,23 @@ TEST_CASE("a stream resumes at the position where it was left") {
   for (int i = 0; i < 9; ++i) CHECK(a.next_u32() == b.next_u32());
 }
 
+TEST_CASE("many uniform numbers at once equal the single ones, wherever the stream is") {
+  for (const std::uint64_t position :
+       {0ULL, 1ULL, 2ULL, 3ULL, 4ULL, (1ULL << 34U) - 6}) {  // the last: the counter's high word
+    for (const std::size_t count : {0U, 1U, 2U, 3U, 128U, 131U, 1000U}) {
+      RandomStream single(7, 3, "x");
+      RandomStream together(7, 3, "x");
+      single.seek(position);
+      together.seek(position);
+      std::vector<double> values(count);
+      together.uniforms(values);
+      for (const double value : values) REQUIRE(value == single.uniform());
+      CHECK(together.position() == single.position());
+      CHECK(together.next_u32() == single.next_u32());
+    }
+  }
+}
+
 TEST_CASE("distributions have their textbook mean and variance") {
   constexpr int n = 200'000;
   RandomStream stream(42, 0, "moments");

@@ -48,17 +48,20 @@ class HeightDistribution {
   explicit HeightDistribution(const Parameters& world)
       : mean_m_(world.number("building_height_mean_m")),
         rayleigh_(world.chosen("building_height_distribution", height_distributions)) {
-    if (!rayleigh_) fill_cumulative();
+    if (rayleigh_) return;
+    fill_cumulative();
+    fill_guide();
   }
 
   [[nodiscard]] double height_m(double u) const {
     if (rayleigh_) return mean_m_ * std::sqrt(2.0 / std::numbers::pi) * std::sqrt(-2.0 * std::log(u));
-    const auto at = std::ranges::upper_bound(cumulative_, u);
-    return static_cast<double>(at - cumulative_.begin());
+    std::size_t height = guide_[static_cast<std::size_t>(u * guide_size)];
+    while (cumulative_[height] <= u) ++height;
+    return static_cast<double>(height);
   }
 
  private:
-  /// cumulative_[k] = P(height <= k m), up to the k beyond which the probability vanishes in rounding.
+  /// cumulative_[k] = P(height <= k m), up to the k beyond which the probability vanishes in rounding, and 1.
   void fill_cumulative() {
     double probability = std::exp(-mean_m_);
     double sum = probability;
@@ -67,11 +70,24 @@ class HeightDistribution {
       probability *= mean_m_ / k;
       sum += probability;
     }
+    cumulative_.push_back(1.0);
   }
+
+  /// guide_[i]: the height of u = i / guide_size, where the search begins for greater ones.
+  void fill_guide() {
+    std::size_t height = 0;
+    for (std::size_t i = 0; i < guide_size; ++i) {
+      while (cumulative_[height] <= static_cast<double>(i) / guide_size) ++height;
+      guide_[i] = height;
+    }
+  }
+
+  static constexpr std::size_t guide_size = 1024;  // a power of two: exact in floating point
 
   double mean_m_;
   bool rayleigh_;
   std::vector<double> cumulative_;
+  std::array<std::size_t, guide_size> guide_{};
 };
 
 }  // namespace
@@ -124,7 +140,8 @@ void draw_buildings(const Parameters& world, std::uint64_t seed, std::uint32_t t
   const HeightDistribution distribution(world);
   RandomStream heights(seed, trial, "building heights");
   city.building_height_m.resize(std::size_t{city.buildings_x} * city.buildings_y);
-  for (double& height_m : city.building_height_m) height_m = distribution.height_m(heights.uniform());
+  heights.uniforms(city.building_height_m);
+  for (double& height_m : city.building_height_m) height_m = distribution.height_m(height_m);
 }
 
 }  // namespace aloft::world

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/error.hpp"
+#include "common/base/random.hpp"
 
 using namespace aloft;
 using nlohmann::json;
@@ -128,6 +129,21 @@ TEST_CASE("building heights have the distribution's mean and variance") {
   CHECK(rayleigh.variance == Approx((2.0 - std::acos(-1.0) / 2.0) * 400.0).epsilon(0.02));  // scale 20 m
   const Moments zero = building_heights({{"building_height_mean_m", 0}});
   CHECK(zero.mean == 0.0);
+}
+
+TEST_CASE("a Poisson height is the least one whose probability not to be exceeded is above the building's number") {
+  const double mean_m = GENERATE(0.0, 0.4, 20.0, 500.0);
+  const world::City city = world::generate_city(parameters({{"building_height_mean_m", mean_m}}), 1, 5);
+  RandomStream stream(1, 5, "building heights");
+  for (const double height_m : city.building_height_m) {
+    const double u = stream.uniform();
+    double below = 0.0;  // P(height < height_m)
+    for (int k = 0; k < height_m; ++k) below += std::exp(k * std::log(mean_m) - mean_m - std::lgamma(k + 1.0));
+    const double at =
+        mean_m == 0.0 ? 1.0 : std::exp(height_m * std::log(mean_m) - mean_m - std::lgamma(height_m + 1.0));
+    REQUIRE(below <= u + 1e-9);
+    REQUIRE(u < below + at + 1e-9);
+  }
 }
 
 TEST_CASE("conditions share random numbers, trials and seeds do not") {

@@ -113,12 +113,13 @@ void city_and_blocking_heights(benchmark::State& state) {
   std::uint32_t trial = 0;
   for ([[maybe_unused]] auto _ : state) {
     const world::City city = world::generate_city(world, seed, trial++ % trials);
+    const radio::Skyline skyline(city);
     const world::Route route(world, city);
     double sum_m = 0.0;
     for (std::uint32_t point = 0; point <= route.steps(); ++point) {
       const world::Position position = route.advance(point, route.start(), -1);
       for (const world::Position& station : city.base_stations)
-        sum_m += radio::blocking_height_m(city, radio::LosRay::published, position, station);
+        sum_m += skyline.blocking_height_m(radio::LosRay::published, position, station);
     }
     benchmark::DoNotOptimize(sum_m);
   }

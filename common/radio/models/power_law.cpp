@@ -53,13 +53,14 @@ class PowerLaw final : public LinkModel {
  public:
   PowerLaw(const Parameters& world, const world::City& city)
       : city_(city),
+        skyline_(city),
         los_ray_(world.chosen("los_ray", los_rays)),
         path_distance_(world.chosen("path_distance", path_distances)),
         exponent_los_(world.number("path_exponent_los")),
         exponent_nlos_(world.number("path_exponent_nlos")) {}
 
   [[nodiscard]] double blocking_height_m(const LinkPlace& link) const override {
-    return radio::blocking_height_m(city_, los_ray_, link.uav, city_.base_stations[link.station]);
+    return skyline_.blocking_height_m(los_ray_, link.uav, city_.base_stations[link.station]);
   }
 
   void mean_gain_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
@@ -86,6 +87,7 @@ class PowerLaw final : public LinkModel {
   }
 
   const world::City& city_;
+  Skyline skyline_;
   LosRay los_ray_;
   PathDistance path_distance_;
   double exponent_los_;

@@ -17,12 +17,14 @@ namespace aloft::radio {
 /// among the buildings of a city, in the preset `published` with other antennas, rays or path exponents at most.
 class PlainRadio {
  public:
-  PlainRadio(const Parameters& world, std::vector<world::Site> sites, std::optional<world::City> city = {})
-      : world_(world), sites_(std::move(sites)), city_(std::move(city)) {}
+  PlainRadio(const Parameters& world, std::vector<world::Site> sites, const std::optional<world::City>& city = {})
+      : world_(world), sites_(std::move(sites)) {
+    if (city) skyline_.emplace(*city);
+  }
 
   [[nodiscard]] bool blocked(world::Position uav, std::size_t k, double h) const {
     const auto ray = world_.text("los_ray") == "geometric" ? LosRay::geometric : LosRay::published;
-    return city_ && h < blocking_height_m(*city_, ray, uav, sites_[k].position);
+    return skyline_ && h < skyline_->blocking_height_m(ray, uav, sites_[k].position);
   }
 
   [[nodiscard]] double power_w(world::Position uav, std::size_t k, double h) const {
@@ -64,7 +66,7 @@ class PlainRadio {
 
   Parameters world_;
   std::vector<world::Site> sites_;
-  std::optional<world::City> city_;
+  std::optional<Skyline> skyline_;
 };
 
 }  // namespace aloft::radio

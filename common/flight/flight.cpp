@@ -159,7 +159,7 @@ Action Flight::move(const agents::Command& command) {
 }
 
 void Flight::measure(std::uint32_t point) {
-  const radio::Reading& reading = map_.column(point, position_)[level_];
+  const radio::Reading reading = map_.reading(point, position_, level_);
   observation_.height_m = map_.heights().height_m(level_);
   observation_.serving_cell = reading.serving_cell;
   observation_.serving_sinr_db = reading.serving_sinr_db;

@@ -206,3 +206,16 @@ TEST_CASE("flying an agent gives its whole record") {
   CHECK(record.height_mean_m() == 40.0);
   CHECK(record.height_changes() == 0);
 }
+
+TEST_CASE("whole columns are read for foresight alone") {
+  const auto columns_of = [](const char* agent) {
+    SyntheticMap map = SyntheticMap::random(QosKind::spectral_efficiency, 12, 21, 3);
+    const agents::AgentSpec spec = spec_of(agent);
+    (void)flight::fly(map, 1, 0, *spec.make(), spec);
+    return map.columns_read();
+  };
+  for (const char* agent : {"min-height", "constant-60", "random-walk", "height-filter", "local-bandit", "dqn"})
+    CHECK(columns_of(agent) == 0);
+  CHECK(columns_of("one-step-ahead") == 12);
+  CHECK(columns_of("planner") == 12);
+}

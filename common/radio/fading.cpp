@@ -1,5 +1,6 @@
 #include "common/radio/fading.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/radio/height_rows.hpp"
@@ -25,14 +26,13 @@ Amplitude amplitude(std::uint32_t radius_word, std::uint32_t angle_word) noexcep
 }  // namespace
 
 void Fading::want(std::uint32_t point, std::uint32_t c, std::uint32_t k, std::span<const std::uint32_t> blocks) {
-  const std::uint32_t pair = c * max_stations + k;
   switch (kind_) {
     case FadingKind::independent:
-      pairs_.insert(pairs_.end(), blocks.size(), pair);
+      pairs_.insert(pairs_.end(), blocks.size(), pair(c, k));
       blocks_.insert(blocks_.end(), blocks.begin(), blocks.end());
       return;
     case FadingKind::correlated:
-      return correlated(point, pair, blocks);
+      return correlated(point, pair(c, k), blocks);
     case FadingKind::none:
       wanted_.insert(wanted_.end(), blocks.size() * lanes, 1.0);
   }
@@ -49,6 +49,33 @@ std::span<const double> Fading::take(std::uint32_t point) {
   }
   values_.swap(wanted_);
   wanted_.clear();
+  return values_;
+}
+
+std::span<const double> Fading::at_height(std::uint32_t point, std::span<const std::uint32_t> pairs,
+                                          std::uint32_t height) {
+  const std::uint32_t block = height / lanes;
+  values_.resize(pairs.size());
+  switch (kind_) {
+    case FadingKind::independent:
+      blocks_.assign(pairs.size(), block);
+      words_.resize(pairs.size() * lanes);
+      stream_.blocks(point, pairs, blocks_, words_.data());
+      for (std::size_t i = 0; i < pairs.size(); ++i) words_[i] = words_[i * lanes + height % lanes];
+      exponential_row(std::span(words_).first(pairs.size()), values_.data());
+      blocks_.clear();
+      break;
+    case FadingKind::correlated:
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        wanted_.clear();
+        correlated(point, pairs[i], std::span(&block, 1));
+        values_[i] = wanted_[height % lanes];
+      }
+      wanted_.clear();
+      break;
+    case FadingKind::none:
+      std::ranges::fill(values_, 1.0);
+  }
   return values_;
 }
 

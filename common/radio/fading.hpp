@@ -32,6 +32,14 @@ class Fading {
   /// point. Valid until the next request.
   [[nodiscard]] std::span<const double> take(std::uint32_t point);
 
+  /// The counter of candidate c and transmitter k.
+  [[nodiscard]] static constexpr std::uint32_t pair(std::uint32_t c, std::uint32_t k) noexcept {
+    return c * max_stations + k;
+  }
+  /// The same f at one height for each of these pairs. Valid until the next request.
+  [[nodiscard]] std::span<const double> at_height(std::uint32_t point, std::span<const std::uint32_t> pairs,
+                                                  std::uint32_t height);
+
  private:
   void correlated(std::uint32_t point, std::uint32_t pair, std::span<const std::uint32_t> blocks);
 

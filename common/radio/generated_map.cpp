@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/radio/column.hpp"
+#include "common/radio/spot.hpp"
 #include "common/world/route.hpp"
 #include "common/world/site_map.hpp"
 
@@ -18,7 +19,8 @@ class GeneratedMap final : public SignalMap {
         trial_(trial),
         scene_(world, city, seed, trial),
         route_(world, city),
-        builder_(scene_, Fading(scene_.model(), seed, trial)),
+        column_builder_(scene_, Fading(scene_.model(), seed, trial)),
+        spot_builder_(scene_, Fading(scene_.model(), seed, trial)),
         columns_(route_.steps() + 1) {}
 
   [[nodiscard]] QosKind qos_kind() const noexcept override { return QosKind::spectral_efficiency; }
@@ -35,8 +37,14 @@ class GeneratedMap final : public SignalMap {
   [[nodiscard]] const std::vector<Reading>& column(std::uint32_t point, world::Position position) override {
     auto& columns = columns_.at(point);
     auto at = columns.find(position.y_m);
-    if (at == columns.end()) at = columns.emplace(position.y_m, builder_.build(point, position)).first;
+    if (at == columns.end()) at = columns.emplace(position.y_m, column_builder_.build(point, position)).first;
     return at->second;
+  }
+
+  [[nodiscard]] Reading reading(std::uint32_t point, world::Position position, std::uint32_t height) override {
+    const auto& columns = columns_.at(point);
+    const auto at = columns.find(position.y_m);
+    return at == columns.end() ? spot_builder_.build(point, position, height) : at->second.at(height);
   }
 
   [[nodiscard]] const Survey* survey() override {
@@ -55,7 +63,8 @@ class GeneratedMap final : public SignalMap {
   std::optional<Survey> survey_;
   Scene scene_;
   world::Route route_;
-  ColumnBuilder builder_;
+  ColumnBuilder column_builder_;
+  SpotBuilder spot_builder_;
   std::vector<std::map<double, std::vector<Reading>>> columns_;  // per route point, by y: x follows from the point
 };
 

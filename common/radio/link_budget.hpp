@@ -5,6 +5,7 @@
 
 #include "common/radio/approximations.hpp"
 #include "common/radio/radio_model.hpp"
+#include "common/world/world.hpp"
 
 /// The formulas of one link at one height, as in the published simulator. The table and its explanation call the same
 /// functions, so they agree to the bit. Heights are relative to the base station antennas: rise_m = h - 30 m.
@@ -73,8 +74,16 @@ inline constexpr double bound_rounding = 1.0 + 1e-9;
 }
 
 /// Whether the azimuths of two base stations, seen from the UAV, differ by less than half the UAV's beamwidth.
-[[nodiscard]] inline bool same_azimuth(const RadioModel& model, const Link& a, const Link& b) noexcept {
+[[nodiscard, gnu::always_inline]] inline bool same_azimuth(const RadioModel& model, const Link& a,
+                                                           const Link& b) noexcept {
   return a.dx_m * b.dx_m + a.dy_m * b.dy_m > model.uav_half_beam_cos * (a.distance_m * b.distance_m);
+}
+
+/// Whether a base station's sector, whose boresight is this unit vector, covers the UAV.
+[[gnu::always_inline]] inline bool sector_covers(const RadioModel& model, const Link& link,
+                                                 world::Position boresight) noexcept {
+  const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
+  return along_m > model.bs_half_beam_cos * link.distance_m;
 }
 
 /// Spectral efficiency in bit/s/Hz: log2(1 + SINR), Shannon.

@@ -60,9 +60,7 @@ void Scene::look_towards(world::Position station, std::uint32_t k, Surroundings&
   link.dy_m = station.y_m - around.position.y_m;
   link.distance_m = std::sqrt(link.dx_m * link.dx_m + link.dy_m * link.dy_m);
   if (model_.bs_antenna != BsAntenna::sector) return;
-  const world::Position boresight = sector_boresight_[k];
-  const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
-  around.sector_covers[k] = along_m > model_.bs_half_beam_cos * link.distance_m ? 1 : 0;
+  around.sector_covers[k] = radio::sector_covers(model_, link, sector_boresight_[k]) ? 1 : 0;
 }
 
 std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {

@@ -38,6 +38,8 @@ class Scene {
   [[nodiscard]] const HeightGrid& heights() const noexcept { return heights_; }
   /// Per base station, in half turns; empty if they have no sector antennas.
   [[nodiscard]] const std::vector<double>& sector_azimuths() const noexcept { return sector_azimuths_; }
+  /// Unit vectors, per base station; empty if they have no sector antennas.
+  [[nodiscard]] const std::vector<world::Position>& sector_boresights() const noexcept { return sector_boresight_; }
   [[nodiscard]] std::uint32_t stations() const noexcept {
     return static_cast<std::uint32_t>(city_.base_stations.size());
   }

@@ -1,5 +1,6 @@
 #include "services/channel/map_builder.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <exception>
 #include <utility>
@@ -15,10 +16,10 @@ experiment::TrialWorld trial_world(const wire::World& world) {
   return bus::city(world);
 }
 
-/// Computes all readings of a route that is known beforehand.
-void fill(radio::SignalMap& map) {
-  static_cast<void>(map.column(0, map.start()));
-  map.prepare();
+/// Whether an agent is shown readings at every height. All others need one per step, which is computed when they fly.
+bool shows_columns(const experiment::Experiment& experiment) {
+  return std::ranges::any_of(experiment.agents,
+                             [](const agents::AgentSpec& spec) { return agents::foresees(spec.privilege()); });
 }
 
 MapBuilder::Built build(const experiment::Experiment& experiment, const wire::World& world) {
@@ -27,7 +28,7 @@ MapBuilder::Built build(const experiment::Experiment& experiment, const wire::Wo
   try {
     result.map = experiment::make_signal_map(experiment, experiment.conditions.at(world.condition()), world.trial(),
                                              trial_world(world));
-    fill(*result.map);
+    if (shows_columns(experiment)) result.map->prepare();
   } catch (const std::exception& error) {
     result.map.reset();
     result.error = error.what();

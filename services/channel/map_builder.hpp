@@ -15,7 +15,7 @@
 namespace aloft::channel {
 
 /// Turns worlds into signal maps in a thread of its own, so that flights in the air do not wait for the map of the
-/// next trial.
+/// next trial, and for its columns if an agent is shown them.
 class MapBuilder {
  public:
   struct Built {

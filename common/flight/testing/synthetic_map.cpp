@@ -15,7 +15,7 @@ SyntheticMap::SyntheticMap(QosKind kind, const radio::HeightGrid& grid, std::vec
     : kind_(kind), grid_(grid), qos_(std::move(qos)), columns_(qos_.size()) {
   for (std::uint32_t point = 0; point < qos_.size(); ++point) {
     if (qos_[point].size() != grid_.size()) throw std::logic_error("a synthetic map needs one value per height");
-    for (std::uint32_t i = 0; i < grid_.size(); ++i) columns_[point].push_back(reading(point, i));
+    for (std::uint32_t i = 0; i < grid_.size(); ++i) columns_[point].push_back(made_of(point, i));
   }
 }
 
@@ -34,7 +34,7 @@ SyntheticMap SyntheticMap::random(QosKind kind, std::uint32_t steps, std::uint32
   return {kind, grid, std::move(qos)};
 }
 
-radio::Reading SyntheticMap::reading(std::uint32_t point, std::uint32_t index) const {
+radio::Reading SyntheticMap::made_of(std::uint32_t point, std::uint32_t index) const {
   radio::Reading reading;
   reading.qos = qos_[point][index];
   const double spectral_efficiency = kind_ == QosKind::throughput ? reading.qos / 10'000.0 : reading.qos;
@@ -48,7 +48,7 @@ radio::Reading SyntheticMap::reading(std::uint32_t point, std::uint32_t index) c
 
 void SyntheticMap::set_qos(std::uint32_t point, std::uint32_t index, double value) {
   qos_.at(point).at(index) = value;
-  columns_[point][index] = reading(point, index);
+  columns_[point][index] = made_of(point, index);
 }
 
 std::uint32_t SyntheticMap::steps() const noexcept {
@@ -81,10 +81,19 @@ const radio::Survey* SyntheticMap::survey() {
   return &*survey_;
 }
 
-const std::vector<radio::Reading>& SyntheticMap::column(std::uint32_t point, world::Position position) {
+const std::vector<radio::Reading>& SyntheticMap::read(std::uint32_t point, world::Position position) const {
   // Beside the straight line the UAV reads the next point's column, so that tests can see where it is.
   const bool beside = std::fabs(position.y_m) > 5.0;
   return columns_.at(beside ? (point + 1) % columns_.size() : point);
+}
+
+const std::vector<radio::Reading>& SyntheticMap::column(std::uint32_t point, world::Position position) {
+  ++columns_read_;
+  return read(point, position);
+}
+
+radio::Reading SyntheticMap::reading(std::uint32_t point, world::Position position, std::uint32_t height) {
+  return read(point, position).at(height);
 }
 
 }  // namespace aloft::flight

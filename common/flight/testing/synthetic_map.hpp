@@ -40,14 +40,19 @@ class SyntheticMap final : public radio::SignalMap {
   /// Twelve base stations near the route, whatever the qualities are.
   [[nodiscard]] const radio::Survey* survey() override;
   [[nodiscard]] const std::vector<radio::Reading>& column(std::uint32_t point, world::Position position) override;
+  [[nodiscard]] radio::Reading reading(std::uint32_t point, world::Position position, std::uint32_t height) override;
+  /// How many columns have been asked for.
+  [[nodiscard]] std::uint32_t columns_read() const noexcept { return columns_read_; }
 
  private:
-  [[nodiscard]] radio::Reading reading(std::uint32_t point, std::uint32_t index) const;
+  [[nodiscard]] radio::Reading made_of(std::uint32_t point, std::uint32_t index) const;
+  [[nodiscard]] const std::vector<radio::Reading>& read(std::uint32_t point, world::Position position) const;
 
   radio::QosKind kind_;
   radio::HeightGrid grid_;
   std::vector<std::vector<double>> qos_;
   std::vector<std::vector<radio::Reading>> columns_;
+  std::uint32_t columns_read_ = 0;
   std::uint32_t route_points_ = 0;
   std::optional<radio::Survey> survey_;
   bool follow_serving_cell_ = false;

@@ -17,6 +17,12 @@ std::vector<LinkModelType>& registered_models() {
 
 }  // namespace
 
+void LinkModel::mean_gains(world::Position uav, std::span<const double> distance_m, bool line_of_sight, double height_m,
+                           double* gain) const {
+  for (std::uint32_t k = 0; k < distance_m.size(); ++k)
+    mean_gain_row({uav, k, distance_m[k]}, line_of_sight, std::span(&height_m, 1), gain + k);
+}
+
 Shadowing LinkModel::shadowing(const LinkPlace& /*link*/, bool /*line_of_sight*/, double /*height_m*/) const {
   return {};
 }

@@ -42,6 +42,12 @@ class LinkModel {
   virtual void mean_gain_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
                              double* gain) const = 0;
 
+  /// gain[k] is the mean gain of the link to base station k, at distance_m[k] from `uav`, with the UAV at height_m;
+  /// line of sight is the same for all links. Each has the same bits as mean_gain_row() gives. The default asks that,
+  /// link by link; a model can be faster.
+  virtual void mean_gains(world::Position uav, std::span<const double> distance_m, bool line_of_sight, double height_m,
+                          double* gain) const;
+
   /// Upper bound of the mean gain at all heights from that of the base stations upwards.
   [[nodiscard]] virtual double gain_bound(const LinkPlace& link, bool line_of_sight) const = 0;
 

@@ -86,12 +86,16 @@ TEST_CASE("a world's table has the gains of its channel model, and is explained 
   const Parameters world = radio::resolve_generated_world(given, "world");
   const world::City city = world::generate_city(world, 9, 1);
   const auto map = radio::make_generated_map(world, city, 9, 1);
+  const auto without_columns = radio::make_generated_map(world, city, 9, 1);
   for (std::uint32_t point = 0; point <= 100; point += 20) {
     const auto& column = map->column(point, map->advance(point, {}, -1));
     for (std::uint32_t i = 0; i < column.size(); i += 40) {
       const radio::Explanation explanation = radio::explain(world, city, 9, 1, point, map->heights().height_m(i));
       CHECK(explanation.spectral_efficiency == column[i].qos);
       CHECK(explanation.serving_sinr_db == column[i].serving_sinr_db);
+      const radio::Reading alone = without_columns->reading(point, explanation.position, i);
+      CHECK(alone.qos == column[i].qos);
+      CHECK(alone.neighbour_sinr_db == column[i].neighbour_sinr_db);
       for (const radio::StationExplanation& station : explanation.stations) CHECK_FALSE(station.line_of_sight);
     }
   }

@@ -29,22 +29,30 @@ constexpr std::array<Choice<PathDistance>, 2> path_distances{
 
 /// Distances below 1 m count as 1 m.
 template <PathDistance path>
-[[gnu::always_inline]] inline void gain_loop(double horizontal2_m2, double base_m, const double* height_m,
-                                             std::size_t size, double exponent, double* gain) {
-  for (std::size_t i = 0; i < size; ++i) {
-    const double rise_m = height_m[i] - base_m;
-    const double path2_m2 = path == PathDistance::slant ? horizontal2_m2 + rise_m * rise_m : horizontal2_m2;
-    gain[i] = path_gain(path2_m2 < 1.0 ? 1.0 : path2_m2, exponent);
-  }
+[[gnu::always_inline]] inline double mean_gain(double distance_m, double rise_m, double exponent) noexcept {
+  const double horizontal2_m2 = distance_m * distance_m;
+  const double path2_m2 = path == PathDistance::slant ? horizontal2_m2 + rise_m * rise_m : horizontal2_m2;
+  return path_gain(path2_m2 < 1.0 ? 1.0 : path2_m2, exponent);
 }
 
+/// One link at many heights.
 template <PathDistance path>
-[[gnu::always_inline]] inline void gain_row(double horizontal2_m2, double base_m, const double* height_m,
-                                            std::size_t size, double exponent, double* gain) {
+[[gnu::always_inline]] inline void gain_row(double distance_m, double base_m, const double* height_m, std::size_t size,
+                                            double exponent, double* gain) {
   if (exponent == 4.0)  // a constant exponent removes the branch in path_gain()
-    gain_loop<path>(horizontal2_m2, base_m, height_m, size, 4.0, gain);
+    for (std::size_t i = 0; i < size; ++i) gain[i] = mean_gain<path>(distance_m, height_m[i] - base_m, 4.0);
   else
-    gain_loop<path>(horizontal2_m2, base_m, height_m, size, exponent, gain);
+    for (std::size_t i = 0; i < size; ++i) gain[i] = mean_gain<path>(distance_m, height_m[i] - base_m, exponent);
+}
+
+/// Many links at one height.
+template <PathDistance path>
+[[gnu::always_inline]] inline void gains(const double* distance_m, double rise_m, std::size_t size, double exponent,
+                                         double* gain) {
+  if (exponent == 4.0)
+    for (std::size_t k = 0; k < size; ++k) gain[k] = mean_gain<path>(distance_m[k], rise_m, 4.0);
+  else
+    for (std::size_t k = 0; k < size; ++k) gain[k] = mean_gain<path>(distance_m[k], rise_m, exponent);
 }
 
 /// The paper's path loss: gain D^-alpha, alpha = 2.1 with line of sight and 4 behind buildings by default. Line of
@@ -65,15 +73,24 @@ class PowerLaw final : public LinkModel {
 
   void mean_gain_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
                      double* gain) const override {
-    const double horizontal2_m2 = link.distance_m * link.distance_m;
     const double base_m = city_.base_station_height_m;
     const double alpha = exponent(line_of_sight);
     if (path_distance_ == PathDistance::slant)
-      run_vectorised<gain_row<PathDistance::slant>>(horizontal2_m2, base_m, height_m.data(), height_m.size(), alpha,
+      run_vectorised<gain_row<PathDistance::slant>>(link.distance_m, base_m, height_m.data(), height_m.size(), alpha,
                                                     gain);
     else
-      run_vectorised<gain_row<PathDistance::horizontal>>(horizontal2_m2, base_m, height_m.data(), height_m.size(),
+      run_vectorised<gain_row<PathDistance::horizontal>>(link.distance_m, base_m, height_m.data(), height_m.size(),
                                                          alpha, gain);
+  }
+
+  void mean_gains(world::Position /*uav*/, std::span<const double> distance_m, bool line_of_sight, double height_m,
+                  double* gain) const override {
+    const double rise_m = height_m - city_.base_station_height_m;
+    const double alpha = exponent(line_of_sight);
+    if (path_distance_ == PathDistance::slant)
+      run_vectorised<gains<PathDistance::slant>>(distance_m.data(), rise_m, distance_m.size(), alpha, gain);
+    else
+      run_vectorised<gains<PathDistance::horizontal>>(distance_m.data(), rise_m, distance_m.size(), alpha, gain);
   }
 
   [[nodiscard]] double gain_bound(const LinkPlace& link, bool line_of_sight) const override {

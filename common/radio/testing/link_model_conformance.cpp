@@ -47,13 +47,9 @@ class Kit {
     for (int i = 0; i < 101; ++i)
       height_m_.push_back(city_.base_station_height_m + 2.7 * i);  // not a multiple of 8: rows end within a vector
     const auto stations = static_cast<std::uint32_t>(std::min<std::size_t>(city_.base_stations.size(), 6));
-    std::vector<world::Position> places{{-505.0, 0.0}, {0.0, 10.0}, {123.4, -5.6}, {495.0, 0.0}};
-    places.push_back(city_.base_stations[0]);
-    for (const world::Position uav : places)
-      for (std::uint32_t k = 0; k < stations; ++k) {
-        const world::Position station = city_.base_stations[k];
-        links_.push_back({uav, k, std::hypot(station.x_m - uav.x_m, station.y_m - uav.y_m)});
-      }
+    places_.push_back(city_.base_stations[0]);
+    for (const world::Position uav : places_)
+      for (std::uint32_t k = 0; k < stations; ++k) links_.push_back(link(uav, k));
   }
 
   void run(std::vector<std::string>& problems) {
@@ -64,6 +60,7 @@ class Kit {
       check_values(*model, link, first.back(), problems);
       check_elements(*model, link, first.back(), problems);
     }
+    check_stations(*model, problems);
     const auto other = make();
     for (std::size_t i = links_.size(); i-- > 0;) {
       if (ask(*model, links_[i]) != first[i])
@@ -76,6 +73,11 @@ class Kit {
 
  private:
   [[nodiscard]] std::unique_ptr<LinkModel> make() const { return type_.make(world_, city_, seed, trial_); }
+
+  [[nodiscard]] LinkPlace link(world::Position uav, std::uint32_t k) const {
+    const world::Position station = city_.base_stations[k];
+    return {uav, k, std::hypot(station.x_m - uav.x_m, station.y_m - uav.y_m)};
+  }
 
   [[nodiscard]] Answers ask(const LinkModel& model, const LinkPlace& link) const {
     Answers answers;
@@ -123,6 +125,30 @@ class Kit {
         }
   }
 
+  /// All base stations at one height must have the bits of their rows: flights read single heights, foresight the
+  /// table.
+  void check_stations(const LinkModel& model, std::vector<std::string>& problems) const {
+    for (const world::Position uav : places_) {
+      std::vector<LinkPlace> all;
+      std::vector<double> distance_m;
+      for (std::uint32_t k = 0; k < city_.base_stations.size(); ++k) {
+        all.push_back(link(uav, k));
+        distance_m.push_back(all.back().distance_m);
+      }
+      std::vector<double> gains(all.size());
+      for (const double height_m : {height_m_.front(), height_m_[37], height_m_.back()})
+        for (const bool line_of_sight : {false, true}) {
+          model.mean_gains(uav, distance_m, line_of_sight, height_m, gains.data());
+          for (const LinkPlace& one : all) {
+            double expected = 0.0;
+            model.mean_gain_row(one, line_of_sight, std::span(&height_m, 1), &expected);
+            if (gains[one.station] != expected)
+              say(problems, one, fmt::format("mean_gains() gives other bits at {:g} m than mean_gain_row()", height_m));
+          }
+        }
+    }
+  }
+
   /// One sentence per kind of problem and link is enough.
   void say(std::vector<std::string>& problems, const LinkPlace& link, const std::string& what) const {
     if (problems.size() < 20)
@@ -135,6 +161,7 @@ class Kit {
   world::City city_;
   std::uint32_t trial_;
   std::vector<double> height_m_;
+  std::vector<world::Position> places_{{-505.0, 0.0}, {0.0, 10.0}, {123.4, -5.6}, {495.0, 0.0}};
   std::vector<LinkPlace> links_;
 };
 

@@ -33,6 +33,13 @@ struct SumsUp : SoundModel {
     for (std::size_t i = 1; i < height_m.size(); ++i) gain[i] = std::nextafter(gain[i], gain[i - 1]);
   }
 };
+struct DiffersByStation : SoundModel {
+  void mean_gains(aloft::world::Position uav, std::span<const double> distance_m, bool line_of_sight, double height_m,
+                  double* gain) const override {
+    SoundModel::mean_gains(uav, distance_m, line_of_sight, height_m, gain);
+    gain[distance_m.size() - 1] = std::nextafter(gain[distance_m.size() - 1], 0.0);
+  }
+};
 struct ExceedsItsBound : SoundModel {
   [[nodiscard]] double gain_bound(const LinkPlace& link, bool /*line_of_sight*/) const override {
     return SoundModel::gain_bound(link, false);
@@ -91,6 +98,7 @@ TEST_CASE("a channel model that keeps every promise has no problems") {
 
 TEST_CASE("a channel model that breaks a promise is named, and the promise") {
   check_named<SumsUp>("other bits");
+  check_named<DiffersByStation>("mean_gains() gives other bits");
   check_named<ExceedsItsBound>("with line of sight exceeds gain_bound()");
   check_named<IsNothing>("must be positive and finite");
   check_named<BlocksNowhere>("not a number");

@@ -41,6 +41,16 @@ void fly(const char* agent, std::uint32_t trials) {
   }
 }
 
+/// Flights that read one height per step, with their worlds.
+void explore() {
+  const agents::AgentSpec spec = agents::parse_agents("random-walk", "command line").front();
+  const Parameters world = small_world();
+  for (std::uint32_t trial = 0; trial < 10; ++trial) {
+    const auto map = radio::make_generated_map(world, world::generate_city(world, seed, trial), seed, trial);
+    (void)flight::fly(*map, seed, trial, *spec.make(), spec);
+  }
+}
+
 void train() {
   const learn::NetworkShape shape = learn::dqn_shape(38);
   const auto network = learn::make_network(shape, {});
@@ -53,6 +63,7 @@ const std::map<std::string, std::function<void()>>& pieces() {
   static const std::map<std::string, std::function<void()>> all{
       {"gradient-steps", train},
       {"se-table", [] { prepared_map(0); }},
+      {"random-walk-flights", explore},
       {"dqn-flight", [] { fly("dqn", 1); }},
       {"height-filter-flights", [] { fly("height-filter", 3); }},
       {"planner-flights", [] { fly("planner", 3); }},

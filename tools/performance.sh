@@ -9,7 +9,7 @@ domain=${ALOFT_PERFORMANCE_DOMAIN:-59}  # DDS domain of the runs
 
 [ -f build/build.ninja ] || cmake --preset release
 cmake --build build --target aloft aloft-environment aloft-channel aloft-learning-agent aloft-baseline-agent aloft-coordinator \
-  aloft-metrics learn_benchmark flight_parts radio_benchmark bus_round_trip bus_worker scaling coordinator_benchmark \
+  aloft-metrics learn_benchmark flight_parts environment_steps radio_benchmark bus_round_trip bus_worker scaling coordinator_benchmark \
   fake_workers >&2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -96,6 +96,14 @@ TEXT
 CPU time in one process (`build/bin/flight_parts`), 5 base stations per km2.
 TEXT
   $bin/flight_parts
+  cat << 'TEXT'
+
+## Environment steps
+`build/bin/environment_steps`: environments that a learner trains in, without the learner: a random policy, flights of 100 steps,
+each over a world of its own. Worlds are included; of the radio only the heights that are flown are computed. One thread and two
+in turns, the best turn of each. Steps per CPU second are those of one core; the ratio needs two idle cores.
+TEXT
+  $bin/environment_steps | code
 
   say "a condition over DDS ..."
   cat << 'TEXT'

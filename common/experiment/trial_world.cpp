@@ -31,8 +31,8 @@ TrialWorld make_world(const Experiment& experiment, const Condition& condition, 
   return make_city(experiment, condition, trial);
 }
 
-std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment, const Condition& condition,
-                                                  std::uint32_t trial, const TrialWorld& world) {
+std::unique_ptr<radio::SignalMap> make_signal_map(const Condition& condition, std::uint64_t seed, std::uint32_t trial,
+                                                  const TrialWorld& world) {
   const auto* const measured = std::get_if<world::MeasuredWorld>(&world);
   if ((condition.kind == WorldKind::measured) != (measured != nullptr))
     throw std::runtime_error("the world is not of the condition's kind");
@@ -40,7 +40,12 @@ std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment, 
   const auto& city = std::get<world::City>(world);
   if (std::cmp_less(city.base_stations.size(), condition.world.integer("min_base_stations")))
     throw std::runtime_error("the city has fewer base stations than the condition asks for");
-  return radio::make_generated_map(condition.world, city, experiment.seed, trial);
+  return radio::make_generated_map(condition.world, city, seed, trial);
+}
+
+std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment, const Condition& condition,
+                                                  std::uint32_t trial, const TrialWorld& world) {
+  return make_signal_map(condition, experiment.seed, trial, world);
 }
 
 std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment, const Condition& condition,

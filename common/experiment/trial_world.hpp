@@ -28,6 +28,9 @@ using TrialWorld = std::variant<world::City, world::MeasuredWorld>;
 [[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment,
                                                                 const Condition& condition, std::uint32_t trial,
                                                                 const TrialWorld& world);
+/// The same with another seed than the experiment's.
+[[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Condition& condition, std::uint64_t seed,
+                                                                std::uint32_t trial, const TrialWorld& world);
 /// The same over the world that make_world() gives.
 [[nodiscard]] std::unique_ptr<radio::SignalMap> make_signal_map(const Experiment& experiment,
                                                                 const Condition& condition, std::uint32_t trial);

@@ -10,7 +10,7 @@ install(TARGETS ${ALOFT_PROGRAMS} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" 
 install(DIRECTORY data/ DESTINATION "${CMAKE_INSTALL_DATADIR}/aloft" COMPONENT runtime)
 install(FILES README.md CHANGELOG.md SECURITY.md deploy/systemd/run.env TYPE DOC COMPONENT runtime)
 install(FILES LICENSE TYPE DOC RENAME copyright COMPONENT runtime)
-install(DIRECTORY docs/ TYPE DOC COMPONENT runtime FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+install(DIRECTORY docs/ TYPE DOC COMPONENT runtime FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")
 
 # Man pages, completions and units are made while installing.
 install(CODE "
@@ -40,6 +40,17 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "Aloft maintainers <maintainers@aloft.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL runtime dev)
+if(ALOFT_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  # For the one version of Python that this release of Debian has. Debian 12 has no Gymnasium; it comes by pip.
+  math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-aloft)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-gymnasium, python3-pil, python3-pip")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The simulator as Gymnasium environments for Python.")
+endif()
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

@@ -23,8 +23,8 @@ while [ $# -gt 0 ]; do
     --for)
       purpose=${2:-}
       case "$purpose" in
-        flight | programs | tests | integration | packages) ;;
-        *) refuse "--for '$purpose' is unknown; use flight, programs, tests, integration or packages" ;;
+        flight | programs | tests | integration | packages | python) ;;
+        *) refuse "--for '$purpose' is unknown; use flight, programs, tests, integration, packages or python" ;;
       esac
       shift 2
       ;;

@@ -7,7 +7,8 @@
 #   tools/setup.sh --for integration   likewise, and installs what only integration tests need
 #   tools/setup.sh --for lint          likewise, and installs what only tools/lint.sh needs
 #   tools/setup.sh --for fuzz          likewise, and installs what only tools/fuzz.sh needs
-#   tools/setup.sh --for packages      the programs, and installs what only cpack needs
+#   tools/setup.sh --for packages      the programs and the Python package, and installs what only cpack needs
+#   tools/setup.sh --for python        only installs what `pip install ./python` needs
 #   tools/setup.sh ... --install       only installs
 #   tools/setup.sh ... release | asan | tsan | fuzz [TARGET ...]    the kind of build; the targets to build, instead of all
 set -euo pipefail
@@ -15,13 +16,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 refuse() { echo "tools/setup.sh: $*" >&2; exit 2; }
 
 declare -A groups_for=(
-  [flight]="flight"
-  [programs]="flight report"
-  [tests]="flight report tests"
-  [integration]="flight report tests integration"
-  [lint]="flight report tests lint"
-  [fuzz]="flight report tests fuzz"
-  [packages]="flight report packages"
+  [flight]="core flight"
+  [programs]="core flight report"
+  [tests]="core flight report python tests"
+  [integration]="core flight report python tests integration"
+  [lint]="core flight report python tests lint"
+  [fuzz]="core flight report python tests fuzz"
+  [packages]="core flight report python packages"
+  [python]="core python"
 )
 purpose=programs
 install_only=""
@@ -29,13 +31,14 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --for)
       purpose=${2:-}
-      [ -n "${groups_for[${purpose:-none}]:-}" ] || refuse "--for '$purpose' is unknown; use flight, programs, tests, integration, lint, fuzz or packages"
+      [ -n "${groups_for[${purpose:-none}]:-}" ] || refuse "--for '$purpose' is unknown; use flight, programs, tests, integration, lint, fuzz, packages or python"
       shift 2
       ;;
     --install) install_only=yes; shift ;;
     *) break ;;
   esac
 done
+[ "$purpose" != python ] || install_only=yes
 preset=${1:-release}
 [ $# -eq 0 ] || shift
 case "$preset" in
@@ -85,7 +88,10 @@ fi
 folder=build
 [ "$preset" = release ] || folder=build-$preset
 configure=()
-for option in ALOFT_REPORT_CHARTS:report ALOFT_TESTS:tests ALOFT_BENCHMARKS:tests; do
+# Instrumented code is not loaded into Python.
+[ "$preset" = release ] || groups=${groups/ python / }
+[[ $groups != *" python "* ]] || tools/python_environment.sh "$folder/python-venv"
+for option in ALOFT_REPORT_CHARTS:report ALOFT_PYTHON:python ALOFT_TESTS:tests ALOFT_BENCHMARKS:tests; do
   name=${option%:*}
   if [[ $groups == *" ${option#*:} "* ]]; then wanted=ON; else wanted=OFF; fi
   had=$(sed -n "s/^$name:BOOL=//p" "$folder/CMakeCache.txt" 2> /dev/null || true)

@@ -19,7 +19,12 @@ __all__ = sorted(_HOME)
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(_HOME[name]), name)
+    try:
+        value = getattr(importlib.import_module(_HOME[name]), name)
+    except ModuleNotFoundError as error:
+        if error.name != "gymnasium":
+            raise
+        raise ModuleNotFoundError(f"aloft.{name} needs Gymnasium: pip install gymnasium", name="gymnasium") from None
     globals()[name] = value
     return value
 
@@ -31,7 +36,7 @@ def __dir__() -> list[str]:
 def _register() -> None:
     try:
         import gymnasium
-    except ModuleNotFoundError:  # aloft.read and aloft.dds do without
+    except ModuleNotFoundError:  # aloft.read and aloft.dds do without it
         return
     gymnasium.register(
         "Aloft/Height-v0", entry_point="aloft:HeightEnv", vector_entry_point="aloft:HeightVectorEnv"

@@ -26,3 +26,10 @@ def aloft_program() -> str:
     if not program.exists():
         pytest.skip(f"there is no {program}; build it, or name its folder in ALOFT_BIN")
     return str(program)
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Says why tests were skipped as all tests of Aloft do (tools/run_ctest.sh)."""
+    reasons = {report.longrepr[2].removeprefix("Skipped: ") for report in terminalreporter.getreports("skipped")}
+    for reason in sorted(reasons):
+        terminalreporter.write_line(f"SKIPPED: {reason}")

@@ -67,7 +67,7 @@ def test_every_world_flies_to_the_end_of_its_route(world: str) -> None:
 
 def test_a_module_name_in_the_id_imports_the_package() -> None:
     code = "import gymnasium; print(gymnasium.make('aloft:Aloft/Height-v0').reset(seed=1)[1])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "{'seed': 1, 'trial': 0, 'steps': 100, 'condition': 0}\n"
 
 

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import gymnasium
 
 import aloft
@@ -12,3 +15,16 @@ def test_import_registers_the_environment() -> None:
 def test_unknown_names_are_attribute_errors() -> None:
     assert not hasattr(aloft, "no_such_name")
     assert "HeightEnv" in dir(aloft)
+
+
+def test_without_gymnasium_the_package_imports_and_says_what_is_missing() -> None:
+    code = """import sys
+sys.modules["gymnasium"] = None
+import aloft
+try:
+    aloft.HeightEnv
+except ModuleNotFoundError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "aloft.HeightEnv needs Gymnasium: pip install gymnasium\n"

@@ -80,7 +80,7 @@ std::vector<std::string> wrong_includes(const std::string& path, const std::stri
 /// Sources of the folders in the drawing, by path from the root.
 std::vector<std::string> sources() {
   std::vector<std::string> paths;
-  for (const char* root : {"common", "services", "tools"})
+  for (const char* root : {"common", "python", "services", "tools"})
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source_dir() / root))
       if (std::regex_match(entry.path().filename().string(), std::regex(R"(.*\.(c|h|cpp|hpp)(\.in)?)")))
         paths.push_back(entry.path().lexically_relative(source_dir()).string());
@@ -94,8 +94,8 @@ const Layers& drawn() {
 
 }  // namespace
 
-TEST_CASE("CONTRIBUTING.md draws every folder of common/, services/ and tools/") {
-  for (const char* folder : {"tools", "services"}) CHECK(drawn().contains(folder));
+TEST_CASE("CONTRIBUTING.md draws every folder of common/, and python/, services/ and tools/") {
+  for (const char* folder : {"python", "services", "tools"}) CHECK(drawn().contains(folder));
   CHECK(drawn().at("tools").contains("services"));
   for (const fs::directory_entry& entry : fs::directory_iterator(source_dir() / "common"))
     if (entry.is_directory()) CHECK(drawn().contains("common/" + entry.path().filename().string()));

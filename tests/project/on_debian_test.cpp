@@ -87,7 +87,7 @@ TEST_CASE("a machine on which no root can be made says why and fails") {
   refused("", "'' is no release that Aloft supports; use debian12 or debian13");
   refused("debian11 true", "'debian11' is no release that Aloft supports; use debian12 or debian13");
   refused("debian13", "name the command to run");
-  refused("debian13 --for fun true", "'fun' is unknown; use flight, programs, tests, integration or packages");
+  refused("debian13 --for fun true", "'fun' is unknown; use flight, programs, tests, integration, packages or python");
   machine.write_program("bin/id", "echo 1000\n");
   refused("debian13 true", "by root only: run it as root");
   machine.write_program("bin/id", "echo 0\n");

@@ -19,12 +19,12 @@ Scripts::Scripts(const std::string& failing) {
   for (const char* folder : {"build", "build-asan", "build-tsan"}) {
     write_text(root_ / folder / "build.ninja", "");
     write_text(root_ / folder / "CMakeCache.txt",
-               "ALOFT_REPORT_CHARTS:BOOL=ON\nALOFT_TESTS:BOOL=ON\nALOFT_BENCHMARKS:BOOL=ON\n");
+               "ALOFT_REPORT_CHARTS:BOOL=ON\nALOFT_PYTHON:BOOL=ON\nALOFT_TESTS:BOOL=ON\nALOFT_BENCHMARKS:BOOL=ON\n");
   }
   fs::create_directories(root_ / "build/Testing/Temporary");
   write_text(root_ / "build/Testing/Temporary/LastTest.log", "a test\nSKIPPED: no such disk here\nanother test\n");
-  for (const char* program :
-       {"bin/cmake", "bin/ctest", "bin/apt-get", "tools/lint.sh", "tools/on_debian.sh", "build/bin/aloft"}) {
+  for (const char* program : {"bin/cmake", "bin/ctest", "bin/apt-get", "tools/lint.sh", "tools/on_debian.sh",
+                              "tools/python_environment.sh", "build/bin/aloft"}) {
     const std::string name = fs::path(program).filename().string();
     const std::string counts =
         name == "ctest" ? "echo '100% tests passed, 0 tests failed out of 1'\necho 'Total: 1 s'\n" : "";

@@ -7,8 +7,9 @@
 namespace aloft::test {
 
 /// A checkout with the scripts only, on a machine that calls itself Debian 12. In it cmake, ctest, apt-get,
-/// build/bin/aloft, tools/lint.sh and tools/on_debian.sh print how they were called, ctest counts one skipped test, no
-/// package is installed, and the build folders have everything. The call that contains `failing` fails.
+/// build/bin/aloft, tools/lint.sh, tools/on_debian.sh and tools/python_environment.sh print how they were called, ctest
+/// counts one skipped test, no package is installed, and the build folders have everything. The call that contains
+/// `failing` fails.
 class Scripts {
  public:
   explicit Scripts(const std::string& failing = "no call");

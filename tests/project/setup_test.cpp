@@ -36,11 +36,12 @@ TEST_CASE("the quick start installs and builds the programs alone") {
   const Finished finished = fresh.run("tools/quickstart.sh --trials 3");
   CHECK(finished.exit_code == 0);
   CHECK(calls_in(finished, {"cmake", "aloft"}) ==
-        "cmake --preset release -DALOFT_REPORT_CHARTS=OFF -DALOFT_TESTS=OFF -DALOFT_BENCHMARKS=OFF\n"
+        "cmake --preset release -DALOFT_REPORT_CHARTS=OFF -DALOFT_PYTHON=OFF -DALOFT_TESTS=OFF -DALOFT_BENCHMARKS=OFF\n"
         "cmake --build build --target programs\n"
         "aloft run data/experiments/quick.json --trials 3\n");
   const std::set<std::string> packages = installed_by(fresh, "tools/quickstart.sh");
   CHECK(packages.size() < 30);
+  CHECK_FALSE(packages.contains("python3-dev"));
   CHECK(packages.contains("libfastcdr-dev"));
   for (const char* later : {"catch2", "chromium", "clang-format-16", "cyclonedds-dev", "docker-compose", "esbuild",
                             "libbenchmark-dev", "libvalijson-dev", "nodejs", "npm", "slurmctld"}) {
@@ -53,12 +54,30 @@ TEST_CASE("setup adds the charts, tests add the rest, and what an earlier call h
   const Scripts fresh;
   fresh.forget_build();
   CHECK(calls_in(fresh.run("tools/setup.sh")) ==
-        "cmake --preset release -DALOFT_REPORT_CHARTS=ON -DALOFT_TESTS=OFF -DALOFT_BENCHMARKS=OFF\n"
+        "cmake --preset release -DALOFT_REPORT_CHARTS=ON -DALOFT_PYTHON=OFF -DALOFT_TESTS=OFF -DALOFT_BENCHMARKS=OFF\n"
         "cmake --build build --target programs\n");
-  CHECK(calls_in(fresh.run("tools/test.sh unit"), {"cmake"}) ==
-        "cmake --preset release -DALOFT_REPORT_CHARTS=ON -DALOFT_TESTS=ON -DALOFT_BENCHMARKS=ON\n"
+  CHECK(calls_in(fresh.run("tools/test.sh unit"), {"python_environment.sh", "cmake"}) ==
+        "python_environment.sh build/python-venv\n"
+        "cmake --preset release -DALOFT_REPORT_CHARTS=ON -DALOFT_PYTHON=ON -DALOFT_TESTS=ON -DALOFT_BENCHMARKS=ON\n"
         "cmake --build build --target tests_unit\n");
   CHECK(calls_in(Scripts().run("tools/setup.sh --for flight"), {"cmake"}) == "cmake --build build --target programs\n");
+}
+
+TEST_CASE("for Python only packages are installed, and those of the programs' middleware are not") {
+  const Scripts fresh;
+  fresh.use_packages();
+  fresh.forget_build();
+  const std::set<std::string> packages = installed_by(fresh, "tools/setup.sh --for python");
+  for (const char* needed : {"build-essential", "cmake", "nlohmann-json3-dev", "python3-dev", "python3-venv"})
+    CHECK(packages.contains(needed));
+  for (const char* unneeded : {"fastddsgen", "libfastrtps-dev", "libsqlite3-dev", "npm", "python3-torch"})
+    CHECK_FALSE(packages.contains(unneeded));
+  CHECK(calls_in(fresh.run("tools/setup.sh --for python"), {"cmake", "python_environment.sh"}).empty());
+}
+
+TEST_CASE("sanitized builds have no Python package") {
+  CHECK(calls_in(Scripts().run("tools/setup.sh --for tests asan"), {"cmake", "python_environment.sh"}) ==
+        "cmake --build build-asan\n");
 }
 
 TEST_CASE("each purpose needs the packages of the one before and some more") {
@@ -102,7 +121,7 @@ TEST_CASE("an unsupported release and an unknown purpose are named with what is 
   const Finished purpose = scripts.run("tools/setup.sh --for fun");
   CHECK(purpose.exit_code == 2);
   CHECK_THAT(purpose.err,
-             Contains("'fun'") && Contains("flight, programs, tests, integration, lint, fuzz or packages"));
+             Contains("'fun'") && Contains("flight, programs, tests, integration, lint, fuzz, packages or python"));
   CHECK(purpose.out.empty());
   for (const auto& [os_release, name] :
        {std::pair("ID=debian\nVERSION_ID=\"11\"\n", "'debian 11'"),

@@ -31,7 +31,9 @@ class Painter:
         self._index = index
         self._flight: tuple[int, int, int] | None = None
         self._background: Any = None
-        self._stations: NDArray[np.float64] | None = None
+        self._stations: Any = None  # an array of places, or None
+        self._rows = 1  # of the picture of a measurement without places
+        self._tallest = 1.0
         self._view = (0.0, 0.0, 1.0)  # of the map: left and lower edge, width; m
 
     def text(self) -> str:
@@ -108,7 +110,8 @@ class Painter:
         left, lower, size = self._view
         pixels = _SCALE * (_MAP[2] - _MAP[0])
         places = np.asarray(places, np.float64)
-        return np.stack([(places[..., 0] - left) / size, 1.0 - (places[..., 1] - lower) / size], -1) * pixels
+        shares = np.stack([(places[..., 0] - left) / size, 1.0 - (places[..., 1] - lower) / size], -1)
+        return np.asarray(shares * pixels, np.float64)
 
     def _city(self, scene: dict[str, Any], route: NDArray[np.float64]) -> Any:
         image = self._Image.new("RGB", (_SCALE * (_MAP[2] - _MAP[0]), _SCALE * (_MAP[3] - _MAP[1])), _GROUND)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvIndices
@@ -22,7 +21,7 @@ def vec_env(num_envs: int = 1, world: Any = None, *, num_threads: int = 0, **env
     )
 
 
-class HeightVecEnv(VecEnv):
+class HeightVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 need not be there to check types
     """Made by :func:`vec_env`."""
 
     def __init__(self, envs: HeightVectorEnv) -> None:
@@ -41,7 +40,7 @@ class HeightVecEnv(VecEnv):
         self._reset_options()
         return observations
 
-    def step_async(self, actions: np.ndarray) -> None:
+    def step_async(self, actions: Any) -> None:
         self._actions = actions
 
     def step_wait(self) -> Any:
@@ -59,8 +58,9 @@ class HeightVecEnv(VecEnv):
     def close(self) -> None:
         self.envs.close()
 
-    def get_images(self) -> Sequence[np.ndarray | None]:
-        return self.envs.render() if self.render_mode == "rgb_array" else [None] * self.num_envs
+    def get_images(self) -> Sequence[Any]:
+        pictures = self.envs.render() if self.render_mode == "rgb_array" else None
+        return pictures or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: VecEnvIndices = None) -> list[Any]:
         return [getattr(self.envs, attr_name)] * len(list(self._get_indices(indices)))
@@ -73,7 +73,7 @@ class HeightVecEnv(VecEnv):
             raise AttributeError(f"{method_name}: the environments have only the method trace")
         return [self.envs.trace(index, *args, **kwargs) for index in self._get_indices(indices)]
 
-    def env_is_wrapped(self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: VecEnvIndices = None) -> list[bool]:
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: VecEnvIndices = None) -> list[bool]:
         return [False] * len(list(self._get_indices(indices)))
 
 

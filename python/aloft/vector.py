@@ -108,8 +108,8 @@ class HeightVectorEnv(VectorEnv[Any, Any, Any], EzPickle):
         options = check_options(options, ("trial", "condition", "reset_mask"))
         chosen = self._mask(options.get("reset_mask"))
         seeds, fresh = self._given_seeds(seed)
-        if isinstance(seed, int):
-            super().reset(seed=seed)
+        if seed is not None and np.ndim(seed) == 0:
+            super().reset(seed=int(seed))
         unseeded = chosen & ~fresh & ~self._seeded
         if unseeded.any():
             seeds[unseeded] = self.np_random.integers(2**63, size=int(unseeded.sum()), dtype=np.uint64)
@@ -170,6 +170,7 @@ class HeightVectorEnv(VectorEnv[Any, Any, Any], EzPickle):
 
     def _given_seeds(self, seed: Any) -> tuple[NDArray[np.uint64], NDArray[np.bool_]]:
         """The seeds that are given, and which these are."""
+        given: list[Any]
         if seed is None:
             given = [None] * self.num_envs
         elif isinstance(seed, (list, tuple, np.ndarray)):

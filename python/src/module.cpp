@@ -176,7 +176,10 @@ void define_worlds(nb::module_& m) {
              std::optional<double> handover_cost, const std::vector<std::string>& tiers) {
             return std::make_shared<Worlds>(file, choices(energy_weight, handover_cost, tiers));
           },
-          "file"_a, "energy_weight"_a.none(), "handover_cost"_a.none(), "tiers"_a, "The worlds of an experiment file.")
+          "file"_a, "energy_weight"_a.none(), "handover_cost"_a.none(), "tiers"_a, "The worlds of an experiment file.",
+          nb::sig(
+              "def from_file(file: str | os.PathLike[str], energy_weight: float | None, handover_cost: float | None, "
+              "tiers: collections.abc.Sequence[str]) -> Worlds"))
       .def_prop_ro(
           "conditions",
           [](const Worlds& worlds) {
@@ -211,7 +214,7 @@ void define_fleet(nb::module_& m) {
           },
           "worlds"_a, "environments"_a, "threads"_a, "history"_a, "sites"_a, "foresight"_a, "autoreset"_a)
       .def("columns", &columns, "Arrays that show the memory into which reset and step write.",
-           nb::sig("def columns(self) -> dict[str, numpy.ndarray]"))
+           nb::sig("def columns(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"))
       .def("reset", &reset, "seeds"_a.noconvert(), "trials"_a.noconvert(), "conditions"_a.noconvert(),
            "chosen"_a.noconvert())
       .def("step", &step, "actions"_a.noconvert())
@@ -222,10 +225,11 @@ void define_fleet(nb::module_& m) {
           "flown", [](const Fleet& fleet, std::uint32_t index) { return fleet.look(index, &flown); }, "index"_a,
           "The flight so far: x, y, height, quality and cell, first those before the first step, with quality 0 and "
           "cell -1.",
-          nb::sig("def flown(self, index: int) -> numpy.ndarray"))
+          nb::sig("def flown(self, index: int) -> numpy.typing.NDArray[numpy.float64]"))
       .def(
           "profiles", [](const Fleet& fleet, std::uint32_t index) { return fleet.look(index, &profiles); }, "index"_a,
-          "Quality at every step and height of the flight.", nb::sig("def profiles(self, index: int) -> numpy.ndarray"))
+          "Quality at every step and height of the flight.",
+          nb::sig("def profiles(self, index: int) -> numpy.typing.NDArray[numpy.float64]"))
       .def("trace", &trace, "index"_a, "agent"_a,
            "The flight so far as the result database stores it, flown by an agent of this name.");
 }

@@ -1,5 +1,5 @@
-"""Calls the package with whatever comes to mind, in one process, for a while. Exceptions of the usual types are fine, anything
-else fails: other exceptions, a crash, an environment that does not fly any more.
+"""Calls the package with whatever comes to mind, in one process, for a while. Exceptions of the usual types are fine,
+anything else fails: other exceptions, a crash, an environment that does not fly any more.
 
     python python/tests/fuzz_binding.py [--seconds 600] [--seed 0]
 """
@@ -208,7 +208,7 @@ def main() -> None:
     fuzzer = Fuzzer(arguments.seed)
     end = time.monotonic() + arguments.seconds
     rounds = 0
-    while time.monotonic() < end:
+    while rounds < 200 or time.monotonic() < end:
         fuzzer.random.choice([fuzzer.single, fuzzer.vector, fuzzer.core])()
         rounds += 1
         if rounds % 100 == 0:

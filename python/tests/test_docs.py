@@ -1,5 +1,6 @@
 """What docs/python.md shows and says."""
 
+import inspect
 import os
 import re
 from collections.abc import Iterator
@@ -43,8 +44,11 @@ def test_there_are_samples() -> None:
 
 
 def test_the_layout_of_observations_is_the_real_one() -> None:
-    rows = [[name.strip("`"), int(values), *map(float, bounds.split(" to "))] for name, values, bounds, _ in table("Observations")]
-    assert rows == [list(field) for field in _core.REPORT_FIELDS]
+    rows = []
+    for name, values, bounds, _ in table("Observations"):
+        low, high = map(float, bounds.split(" to "))
+        rows.append((name.strip("`"), int(values), low, high))
+    assert rows == _core.REPORT_FIELDS
     for name, *_ in _core.SITE_FIELDS:
         assert f"`{name}`" in TEXT
 
@@ -60,9 +64,8 @@ def test_the_keys_of_infos_are_the_real_ones() -> None:
 
 
 def test_the_arguments_are_the_real_ones() -> None:
-    import inspect
-
-    defaults = {name: one.default for name, one in inspect.signature(aloft.HeightEnv).parameters.items() if name != "world"}
+    parameters = inspect.signature(aloft.HeightEnv).parameters
+    defaults = {name: one.default for name, one in parameters.items() if name != "world"}
     documented = {
         name: eval(default.strip("`"))
         for names, default, _ in table("An environment")

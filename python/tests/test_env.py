@@ -1,5 +1,4 @@
 import copy
-import inspect
 import pickle
 import re
 import subprocess
@@ -215,7 +214,7 @@ def test_a_step_tells_energy_and_handovers_as_the_result_database_counts_them() 
 
 
 BAD = [
-    ({"world": {"bs_densty_per_km2": 1}}, ValueError, r"world\.bs_densty_per_km2: unknown key\. Did you mean 'bs_density_per_km2'"),
+    ({"world": {"bs_densty_per_km2": 1}}, ValueError, r"world\.bs_densty_per_km2: unknown key.*'bs_density_per_km2'"),
     ({"world": {"bs_density_per_km2": -1}}, ValueError, r"bs_density_per_km2.*-1"),
     ({"world": {"bs_density_per_km2": float("nan")}}, ValueError, r"."),
     ({"world": {"kind": "measured"}}, ValueError, r"file"),
@@ -288,7 +287,7 @@ def test_the_text_tells_step_height_and_quality() -> None:
 @pytest.mark.parametrize("world", ["published", "paper-text", "serving", "measured", "measured with sites"])
 def test_the_picture_shows_the_flight(world: str) -> None:
     places = {"sites_file": SAMPLE.replace(".csv", ".sites.csv")}
-    env = aloft.HeightEnv({**MEASURED, **places} if world not in WORLDS else WORLDS[world], render_mode="rgb_array")
+    env = aloft.HeightEnv(WORLDS.get(world, {**MEASURED, **places}), render_mode="rgb_array")
     env.reset(seed=1)
     empty = env.render()
     assert empty.shape == (600, 960, 3) and empty.dtype == np.uint8
@@ -307,9 +306,3 @@ def test_names_of_the_core_are_those_of_its_columns() -> None:
     columns = env._fleet.columns()
     for name, kind in (("number", _core.NUMBERS), ("integer", _core.INTEGERS), ("flag", _core.FLAGS)):
         assert len(columns[name]) == len(kind)
-
-
-def test_the_package_is_typed() -> None:
-    folder = Path(inspect.getfile(aloft)).parent
-    assert (folder / "py.typed").exists()
-    assert "class Fleet" in (folder / "_core.pyi").read_text()

@@ -16,4 +16,4 @@ def test_nothing_crashes_whatever_is_passed() -> None:
     counts = re.search(r"(\d+) rounds, (\d+) calls, (\d+) of them accepted", done.stdout)
     assert counts is not None, done.stdout
     rounds, calls, accepted = map(int, counts.groups())
-    assert rounds > 10 and calls > accepted > calls / 10
+    assert rounds >= 200 and calls > accepted > calls / 10

@@ -1,7 +1,10 @@
+import inspect
 import subprocess
 import sys
+from pathlib import Path
 
 import gymnasium
+from conftest import ROOT
 
 import aloft
 
@@ -28,3 +31,15 @@ except ModuleNotFoundError as error:
 """
     done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "aloft.HeightEnv needs Gymnasium: pip install gymnasium\n"
+
+
+def test_the_package_is_typed_and_its_types_hold() -> None:
+    folder = Path(inspect.getfile(aloft)).parent
+    assert (folder / "py.typed").exists()
+    assert "class Fleet" in (folder / "_core.pyi").read_text()
+    checked = subprocess.run(
+        [sys.executable, "-P", "-m", "mypy", "--config-file", ROOT / "python/pyproject.toml", "--cache-dir", "/dev/null", folder],
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 0, checked.stdout + checked.stderr

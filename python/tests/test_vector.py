@@ -140,6 +140,7 @@ def test_threads_change_nothing() -> None:
             assert_same(one, two)
 
 
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # that is what is tested
 def test_a_child_process_flies_on_with_threads_of_its_own() -> None:
     envs = aloft.HeightVectorEnv(8, MEASURED, num_threads=3)
     envs.reset(seed=1)

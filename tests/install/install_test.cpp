@@ -191,3 +191,19 @@ TEST_CASE("a build without tests and benchmarks looks for none of their packages
   CHECK_THAT(rules, !Contains("_test.cpp") && !Contains("/tests/") && !Contains("/bench/"));
   CHECK_THAT(read_text(build / "CMakeCache.txt"), !Contains("CMARK"));
 }
+
+TEST_CASE("a build of the Python package alone looks for none of the packages of the programs") {
+  const ScratchDir build;
+  std::vector<std::string> configure{
+      "/usr/bin/env",          "cmake", "-S",    source_dir().string(),  "-B",
+      build.path().string(),   "-G",    "Ninja", "-DALOFT_PROGRAMS=OFF", "-DALOFT_TESTS=OFF",
+      "-DALOFT_BENCHMARKS=OFF"};
+  for (const char* package :
+       {"Boost", "CLI11", "SQLite3", "SQLiteCpp", "ZLIB", "fastcdr", "fastdds", "fastrtps", "prometheus-cpp", "spdlog"})
+    configure.push_back("-DCMAKE_DISABLE_FIND_PACKAGE_" + std::string(package) + "=ON");
+  const Finished configured = run_command(configure);
+  INFO(configured.err);
+  REQUIRE(configured.exit_code == 0);
+  const std::string rules = read_text(build / "build.ninja");
+  CHECK_THAT(rules, Contains("build python/libaloft_fleet.a:") && !Contains("/services/") && !Contains("/bus/"));
+}

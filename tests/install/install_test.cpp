@@ -198,8 +198,7 @@ TEST_CASE("a build of the Python package alone looks for none of the packages of
       "/usr/bin/env",          "cmake", "-S",    source_dir().string(),  "-B",
       build.path().string(),   "-G",    "Ninja", "-DALOFT_PROGRAMS=OFF", "-DALOFT_TESTS=OFF",
       "-DALOFT_BENCHMARKS=OFF"};
-  for (const char* package :
-       {"Boost", "CLI11", "SQLite3", "SQLiteCpp", "ZLIB", "fastcdr", "fastdds", "fastrtps", "prometheus-cpp", "spdlog"})
+  for (const char* package : {"Boost", "CLI11", "ZLIB", "fastcdr", "fastdds", "fastrtps", "prometheus-cpp", "spdlog"})
     configure.push_back("-DCMAKE_DISABLE_FIND_PACKAGE_" + std::string(package) + "=ON");
   const Finished configured = run_command(configure);
   INFO(configured.err);

@@ -13,6 +13,7 @@ docs/external-agent.md of Aloft tells how an experiment names such an agent, and
 
 import contextlib
 import copy
+import ctypes
 import itertools
 import os
 import signal
@@ -20,11 +21,12 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import FrameType
-from typing import Self
+from typing import Any, Self
 
 try:
     from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
     from cyclonedds.domain import Domain, DomainParticipant
+    from cyclonedds.idl import IdlStruct
     from cyclonedds.internal import InvalidSample, c_call, dds_c_t
     from cyclonedds.pub import DataWriter, Publisher
     from cyclonedds.qos import Policy, Qos
@@ -90,8 +92,7 @@ class Agent:
         with _stopped_by_signals(self._stopped), _SignsOfLife(place, flights) as life:
             while not self._stopped.is_set():
                 life.check()
-                for command in place.answers_of(flights):
-                    place.commands.write(command)
+                place.answer(flights)
 
     def stop(self) -> None:
         """Ends `run`, from another thread."""
@@ -230,7 +231,7 @@ def _command(report: wire.ChannelReport, name: str, action: Action) -> wire.Heig
 
 # Quality of service of the topics that an agent has: the table of docs/external-agent.md.
 _RELIABLE = Policy.Reliability.Reliable(max_blocking_time=duration(seconds=1))
-_REPORTS = Qos(_RELIABLE, Policy.Durability.Volatile, Policy.History.KeepLast(8))
+_REPORT_QOS = Qos(_RELIABLE, Policy.Durability.Volatile, Policy.History.KeepLast(8))
 _COMMAND_QOS = Qos(
     _RELIABLE,
     Policy.Durability.Volatile,
@@ -263,6 +264,23 @@ class _CommandWriter(DataWriter):
             raise DDSException(code, "the liveliness of the HeightCommand writer could not be asserted")
 
 
+class _Seat:
+    """The writer of one stream that the agent shares with others: the worker receives the strongest one's commands."""
+
+    def __init__(self, writer: _CommandWriter) -> None:
+        self.writer = writer
+        self._asked = False
+
+    def hear(self, report: wire.ChannelReport, asked: bool) -> None:
+        if asked == self._asked:
+            return
+        self._asked = asked
+        # Stronger than all who were asked before: that those lower their strength is noticed late.
+        turn = ((report.attempt % 2**17 + 1) << 14) + report.step
+        strength = ctypes.c_int32(turn).value if asked else 1
+        self.writer.set_qos(Qos(Policy.OwnershipStrength(strength)))
+
+
 class _Place:
     """A worker's partition, as an agent sees it."""
 
@@ -270,32 +288,58 @@ class _Place:
         # The domain has to outlive the participant.
         self._domain = Domain(domain, os.environ.get("CYCLONEDDS_URI", _LOOPBACK))
         self._participant = DomainParticipant(domain)
-        publisher = Publisher(self._participant, Qos(Policy.Partition([partition])))
+        self._publisher = Publisher(self._participant, Qos(Policy.Partition([partition])))
         self._reports = self._reader(partition, wire.ChannelReport)
         self._site_maps = self._reader(f"{partition}/site-map", wire.SiteMap) if with_site_map else None
-        self.commands = _CommandWriter(publisher, self._topic(wire.HeightCommand), _COMMAND_QOS)
-        self.statuses = DataWriter(publisher, self._topic(wire.AgentStatus), _STATUS_QOS)
+        self._command_topic = self._topic(wire.HeightCommand)
+        self._commands = self._command_writer()
+        self._seats: dict[int, _Seat] = {}  # by stream
+        self.statuses = DataWriter(self._publisher, self._topic(wire.AgentStatus), _STATUS_QOS)
         self._news = WaitSet(self._participant)
         for reader in filter(None, [self._reports, self._site_maps]):
             self._news.attach(ReadCondition(reader, SampleState.Any | ViewState.Any | InstanceState.Any))
 
-    def _topic(self, sample: type[wire.ChannelReport]) -> Topic:
+    def _topic(self, sample: type[IdlStruct]) -> Topic:
         return Topic(self._participant, sample.__name__, sample)
 
-    def _reader(self, partition: str, sample) -> DataReader:
+    def _reader(self, partition: str, sample: type[IdlStruct]) -> DataReader:
         subscriber = Subscriber(self._participant, Qos(Policy.Partition([partition])))
-        return DataReader(subscriber, self._topic(sample), _REPORTS)
+        return DataReader(subscriber, self._topic(sample), _REPORT_QOS)
 
-    def answers_of(self, flights: Flights) -> Iterator[wire.HeightCommand]:
-        """Waits for news, for 100 ms at most; returns the commands to send."""
+    def _command_writer(self) -> _CommandWriter:
+        return _CommandWriter(self._publisher, self._command_topic, _COMMAND_QOS)
+
+    def answer(self, flights: Flights) -> None:
+        """Waits for news, for 100 ms at most, and answers them."""
         self._news.wait(_LONGEST_WAIT)
-        for reader, handle in ((self._site_maps, flights.survey), (self._reports, flights.answer)):
-            if reader is None:
-                continue
-            for sample in reader.take(_MOST_SAMPLES):
-                command = None if isinstance(sample, InvalidSample) else handle(sample)
-                if command is not None:
-                    yield command
+        for site_map in _samples(self._site_maps) if self._site_maps is not None else ():
+            self._write(flights.survey(site_map), self._commands)
+        for report in _samples(self._reports):
+            seat = self._seat(report, report.agent == flights.name) if report.relay else None
+            self._write(flights.answer(report), self._commands if seat is None else seat.writer)
+
+    def _seat(self, report: wire.ChannelReport, asked: bool) -> _Seat | None:
+        """None: in this relay, the agent has not been asked yet."""
+        seat = self._seats.get(report.stream)
+        if seat is None and asked:
+            seat = self._seats[report.stream] = _Seat(self._command_writer())
+        if seat is not None:
+            seat.hear(report, asked)
+        return seat
+
+    @staticmethod
+    def _write(command: wire.HeightCommand | None, writer: _CommandWriter) -> None:
+        if command is not None:
+            writer.write(command)
+
+    def assert_liveliness(self) -> None:
+        self._commands.assert_liveliness()
+        for seat in list(self._seats.values()):
+            seat.writer.assert_liveliness()
+
+
+def _samples(reader: DataReader) -> Iterator[Any]:
+    return (sample for sample in reader.take(_MOST_SAMPLES) if not isinstance(sample, InvalidSample))
 
 
 class _SignsOfLife:
@@ -325,7 +369,7 @@ class _SignsOfLife:
     def _work(self) -> None:
         try:
             for turn in itertools.count():
-                self._place.commands.assert_liveliness()
+                self._place.assert_liveliness()
                 if turn % _TURNS_PER_STATUS == 0:
                     flying = self._flights.flying > 0
                     self._tell(wire.AgentState.AGENT_FLYING if flying else wire.AgentState.AGENT_READY)

@@ -1,0 +1,85 @@
+"""Agents that the tests fly. Usage: flying_agents.py AGENT DOMAIN RUN WORKER NAME [FILE]"""
+
+import math
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+from aloft import wire
+from aloft.dds import Action, Agent
+
+
+class Climber(Agent):
+    """Climbs whenever it is asked: in a relay, its steps can be told from those of the others."""
+
+    stateless = True
+
+    def act(self, report: wire.ChannelReport) -> Action:
+        return Action.ACTION_UP
+
+
+class Stairs(Agent):
+    """Four steps up, two steps down. It counts them, so it has to see a flight from its beginning."""
+
+    def begin(self, report: wire.ChannelReport) -> None:
+        self.steps = 0
+
+    def act(self, report: wire.ChannelReport) -> Action:
+        self.steps += 1
+        return Action.ACTION_UP if (self.steps - 1) % 6 < 4 else Action.ACTION_DOWN
+
+
+class NearSites(Agent):
+    """As tests/foreign_agent with the site map: climbs while a base station is within 200 m of the next point."""
+
+    privilege = "site-map"
+
+    def survey(self, site_map: wire.SiteMap) -> None:
+        self.near = [
+            any(math.hypot(site.x_m - point.x_m, site.y_m - point.y_m) < 200.0 for site in site_map.sites)
+            for point in site_map.route
+        ]
+
+    def act(self, report: wire.ChannelReport) -> Action:
+        return Action.ACTION_UP if self.near[report.step] else Action.ACTION_DOWN
+
+
+class Thinker(Climber):
+    """At step 30 of trial 1, computes for longer than the lease of its liveliness."""
+
+    def act(self, report: wire.ChannelReport) -> Action:
+        if report.trial == 1 and report.step == 29:
+            end = time.monotonic() + 2.0
+            while time.monotonic() < end:
+                pass
+        return super().act(report)
+
+
+def dies_at_step_50(kind: type[Agent], once: Path | None = None) -> type[Agent]:
+    """Killed as by `kill -9` when it is asked for step 50 of trial 1; if a file is given, only while it is not there."""
+
+    class Mortal(kind):
+        def act(self, report: wire.ChannelReport) -> Action:
+            if report.trial == 1 and report.step == 49 and not (once and once.exists()):
+                if once:
+                    once.touch()
+                os.kill(os.getpid(), signal.SIGKILL)
+            return super().act(report)
+
+    return Mortal
+
+
+if __name__ == "__main__":
+    agent, domain, run, worker, name, *file = sys.argv[1:]
+    once = Path(file[0]) if file else None
+    kinds = {
+        "climber": Climber,
+        "stairs": Stairs,
+        "near-sites": NearSites,
+        "mortal-climber": dies_at_step_50(Climber, once),
+        "mortal-thinker": dies_at_step_50(Thinker, once),
+        "mortal-stairs": dies_at_step_50(Stairs, once),
+    }
+    kinds[agent]().run(int(domain), run, worker, name)

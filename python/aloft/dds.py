@@ -39,10 +39,10 @@ except ModuleNotFoundError as error:
         name=error.name,
     ) from error
 
-from aloft import wire
+from aloft import _core, wire
 from aloft.wire import Action
 
-__all__ = ["Action", "Agent", "Flights", "wire"]
+__all__ = ["Action", "Agent", "Flights", "PolicyAgent", "wire"]
 
 _PRIVILEGES = {"": wire.Privilege.PRIVILEGE_NONE, "site-map": wire.Privilege.PRIVILEGE_SITE_MAP}
 _COMMANDS = (Action.ACTION_DOWN, Action.ACTION_HOLD, Action.ACTION_UP)
@@ -97,6 +97,36 @@ class Agent:
     def stop(self) -> None:
         """Ends `run`, from another thread."""
         self._stopped.set()
+
+
+class PolicyAgent(Agent):
+    """Flies a policy that was trained in `aloft.HeightEnv`: anything with ``predict(observation, **options)``.
+
+    That returns an action of the environment (0 down, 1 hold, 2 up), alone or first in a tuple, as models of
+    Stable-Baselines3 do. `history` and `site_map` are those of the environment; its observation must be "flat". Give a
+    stochastic policy the option ``deterministic=True``, so that a flight that starts again is the same.
+    """
+
+    def __init__(self, policy: Any, *, history: int = 0, site_map: int = 0, **options: Any) -> None:
+        self.policy = policy
+        self.stateless = history == 0
+        self.privilege = "site-map" if site_map else ""
+        self._layout = (history, site_map)
+        self._options = options
+
+    def begin(self, report: wire.ChannelReport) -> None:
+        self._observer = _core.Observer(*self._layout)
+        self._observer.begin(report)
+
+    def survey(self, site_map: wire.SiteMap) -> None:
+        self._observer.survey(site_map)
+
+    def act(self, report: wire.ChannelReport) -> Action:
+        predicted = self.policy.predict(self._observer.note(report), **self._options)
+        action = predicted[0] if isinstance(predicted, tuple) else predicted
+        if action not in (0, 1, 2):
+            raise ValueError(f"{type(self.policy).__name__}.predict returned {action!r}; return 0 (down), 1 (hold) or 2 (up)")
+        return Action(int(action) + 1)
 
 
 @dataclass

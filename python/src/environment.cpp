@@ -9,13 +9,12 @@
 namespace aloft::python {
 namespace {
 
-constexpr std::size_t report_values = values_of(report_fields);
 constexpr std::string_view pilot = "python";
 
 }  // namespace
 
 Environment::Environment(std::shared_ptr<const Worlds> worlds, const Layout& layout)
-    : worlds_(std::move(worlds)), layout_(layout), reports_(layout.reports()) {}
+    : worlds_(std::move(worlds)), observer_(layout) {}
 
 void Environment::begin(const Start& start) {
   flight_.reset();
@@ -30,6 +29,7 @@ void Environment::begin(const Start& start) {
   flight_.emplace(*map_, start.seed, start.trial, costs_);
   last_cell_ = -1;
   handover_ = false;
+  observer_.begin(flight_->info());
   try {
     note_report(true);
   } catch (...) {
@@ -47,19 +47,12 @@ void Environment::step(agents::Action action) {
 }
 
 void Environment::note_report(bool first) {
-  std::ranges::copy_backward(std::span(reports_).first(reports_.size() - report_values), reports_.end());
-  write_report(flight_->info(), flight_->observation(), reports_);
-  if (first)
-    for (std::size_t at = report_values; at < reports_.size(); at += report_values)
-      std::ranges::copy_n(reports_.begin(), report_values, reports_.begin() + static_cast<std::ptrdiff_t>(at));
-  if (layout_.sites == 0) return;
-  std::optional<agents::SiteMap> told = flight::survey(*flight_, agents::Privilege::site_map, first);
-  if (!told) return;
-  if (first) {
-    sectors_ = told->radio->text("bs_antenna") == "sector";
-    sites_ = std::move(told->known.sites);
-  }
-  site_map_ = std::move(*told);
+  if (observer_.layout().sites > 0)
+    if (std::optional<agents::SiteMap> told = flight::survey(*flight_, agents::Privilege::site_map, first)) {
+      if (first) observer_.survey(std::move(told->known.sites), told->radio->text("bs_antenna") == "sector");
+      observer_.plan(told->step, std::move(told->route));
+    }
+  observer_.note(flight_->observation(), position());
 }
 
 world::Position Environment::position() const {
@@ -85,21 +78,6 @@ std::vector<agents::HeightProfile> Environment::profiles() const {
   std::vector<agents::HeightProfile> all(flight_->info().steps);
   for (std::uint32_t i = 0; i < all.size(); ++i) flight_->profile(i + 1, all[i]);
   return all;
-}
-
-void Environment::write_observation(std::span<float> to) const {
-  auto at = to.begin();
-  std::size_t from = 0;
-  for (const Field& field : report_fields) {
-    for (std::size_t report = 0; report < reports_.size(); report += report_values)
-      at = std::ranges::copy(std::span(reports_).subspan(report + from, field.values), at).out;
-    from += field.values;
-  }
-  if (layout_.sites == 0) return;
-  const std::size_t flown = flight_->observation().step - site_map_.step;
-  const std::span<const world::Position> route(site_map_.route);
-  write_site_map(sites_, sectors_, position(), route.subspan(std::min(flown, route.size())), layout_.sites,
-                 to.subspan(reports_.size()));
 }
 
 std::string Environment::trace(std::string_view agent) const {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/flight/flight.hpp"
-#include "python/src/observation.hpp"
+#include "python/src/observer.hpp"
 #include "python/src/worlds.hpp"
 
 namespace aloft::python {
@@ -51,7 +51,7 @@ class Environment {
   [[nodiscard]] std::vector<agents::HeightProfile> profiles() const;
 
   /// Writes Layout::size() values.
-  void write_observation(std::span<float> to) const;
+  void write_observation(std::span<float> to) const { observer_.write(to); }
 
   /// The flight so far as the result database stores it, flown by an agent of this name.
   [[nodiscard]] std::string trace(std::string_view agent) const;
@@ -60,15 +60,11 @@ class Environment {
   void note_report(bool first);
 
   std::shared_ptr<const Worlds> worlds_;
-  Layout layout_;
+  Observer observer_;
   Start start_;
   flight::Costs costs_;
   std::unique_ptr<radio::SignalMap> map_;
   std::optional<flight::Flight> flight_;
-  agents::SiteMap site_map_;
-  std::vector<world::Site> sites_;
-  bool sectors_ = false;
-  std::vector<float> reports_;  // newest first
   std::int32_t last_cell_ = -1;
   bool handover_ = false;
 };

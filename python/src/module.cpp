@@ -13,6 +13,7 @@
 
 #include "common/base/error.hpp"
 #include "python/src/fleet.hpp"
+#include "python/src/modules.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -143,10 +144,12 @@ void step(Fleet& fleet, const Input<std::int64_t>& actions) {
   fleet.step(span_of(actions));
 }
 
-/// Input that cannot be used is a ValueError, or a FileNotFoundError if a file is not there.
+/// Input that cannot be used, or is damaged, is a ValueError, or a FileNotFoundError if a file is not there.
 void translate(const std::exception_ptr& error, void* /*unused*/) {
   try {
     std::rethrow_exception(error);
+  } catch (const IntegrityError& damaged) {
+    PyErr_SetString(PyExc_ValueError, damaged.what());
   } catch (const InputError& wrong) {
     const bool missing = std::strstr(wrong.what(), std::strerror(ENOENT)) != nullptr;
     PyErr_SetString(missing ? PyExc_FileNotFoundError : PyExc_ValueError, wrong.what());
@@ -241,6 +244,8 @@ NB_MODULE(_core, m) {
   nb::register_exception_translator(translate);
   define_worlds(m);
   define_fleet(m);
+  define_observer(m);
+  define_results(m);
   m.attr("REPORT_FIELDS") = fields(report_fields);
   m.attr("SITE_FIELDS") = fields(site_fields);
   m.attr("ROUTE_FIELDS") = fields(route_fields);

@@ -19,7 +19,7 @@ WORLDS: dict[str, dict[str, Any]] = {
 CITY = WORLDS["published"]
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def aloft_program() -> str:
     """The C++ host's program; its folder is in ALOFT_BIN."""
     program = Path(os.environ.get("ALOFT_BIN", ROOT / "build/bin"), "aloft")

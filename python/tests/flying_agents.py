@@ -6,9 +6,12 @@ import signal
 import sys
 import time
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from aloft import wire
-from aloft.dds import Action, Agent
+from aloft.dds import Action, Agent, PolicyAgent
 
 
 class Climber(Agent):
@@ -57,6 +60,35 @@ class Thinker(Climber):
         return super().act(report)
 
 
+class Recorder(PolicyAgent):
+    """Flies a simple policy, and writes down what it observed."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(Zigzag(), history=2, site_map=3)
+        self.folder = folder
+
+    def begin(self, report: wire.ChannelReport) -> None:
+        super().begin(report)
+        self.policy = Zigzag()
+
+    def act(self, report: wire.ChannelReport) -> Action:
+        action = super().act(report)
+        if report.step == report.steps - 1:
+            np.save(self.folder / f"{report.condition}-{report.trial}.npy", self.policy.seen)
+        return action
+
+
+class Zigzag:
+    """Up and down by turns of five steps; in the form of a model of Stable-Baselines3."""
+
+    def __init__(self) -> None:
+        self.seen: list[Any] = []
+
+    def predict(self, observation: Any) -> tuple[Any, None]:
+        self.seen.append(observation)
+        return np.array(2 if len(self.seen) % 10 < 5 else 0), None
+
+
 def dies_at_step_50(kind: type[Agent], once: Path | None = None) -> type[Agent]:
     """Killed as by `kill -9` when it is asked for step 50 of trial 1; if a file is given, only while it is not there."""
 
@@ -74,6 +106,9 @@ def dies_at_step_50(kind: type[Agent], once: Path | None = None) -> type[Agent]:
 if __name__ == "__main__":
     agent, domain, run, worker, name, *file = sys.argv[1:]
     once = Path(file[0]) if file else None
+    if agent == "recorder":
+        Recorder(Path(file[0])).run(int(domain), run, worker, name)
+        sys.exit()
     kinds = {
         "climber": Climber,
         "stairs": Stairs,

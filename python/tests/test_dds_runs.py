@@ -1,6 +1,7 @@
-"""Agents in Python in real runs: the programs of the build folder ALOFT_PROGRAMS, over DDS."""
+"""Agents in Python in real runs: the programs in ALOFT_BIN, over DDS."""
 
 import csv
+import hashlib
 import io
 import itertools
 import json
@@ -16,10 +17,15 @@ from typing import Any
 
 import pytest
 
-from flying_agents import Climber
+import aloft
+import numpy as np
+from conftest import SAMPLE
+from flying_agents import Climber, Zigzag
+
+pytestmark = pytest.mark.runs
 
 SOURCE = Path(__file__).resolve().parents[2]
-PROGRAMS = Path(os.environ.get("ALOFT_PROGRAMS", SOURCE / "build/bin"))
+PROGRAMS = Path(os.environ.get("ALOFT_BIN", SOURCE / "build/bin"))
 LIMIT_S = 60.0  # for what takes seconds on an idle machine
 
 WORLD = {"kind": "generated", "bs_density_per_km2": 5}
@@ -44,10 +50,10 @@ class Scene:
                 command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, text=True, cwd=SOURCE
             )
 
-    def start_run(self, agents: list[Any], trials: int, world: dict[str, Any] = WORLD, **keys: Any) -> None:
+    def start_run(self, agents: list[Any], trials: int, worlds: list[dict[str, Any]] | None = None, **keys: Any) -> None:
         experiment = self.folder / "experiment.json"
         experiment.write_text(
-            json.dumps({"name": "python", "seed": 5, "trials": trials, "world": world, "agents": agents, **keys})
+            json.dumps({"name": "python", "seed": 5, "trials": trials, "worlds": worlds or [WORLD], "agents": agents, **keys})
         )
         options = ["--run", self.run, "--domain", self.domain, "--workers", "1", "--out", self.out]
         self.start("aloft", [PROGRAMS / "aloft", "run", experiment, *options])
@@ -178,6 +184,25 @@ def test_an_agent_relieves_and_is_relieved_by_agents_in_cpp(scene: Scene) -> Non
         assert heights(steps)[-1] == 120.0
 
 
+def test_a_policy_observes_in_a_run_what_it_observes_in_the_environment(scene: Scene) -> None:
+    worlds = [{**WORLD, "site_map_error_m": 30, "site_map_route_points": [0, 4]}, {"kind": "measured", "file": SAMPLE}]
+    scene.start_run([{**VISITOR, "privilege": "site-map"}], 2, worlds, energy_weight=0.001, handover_cost=0.5)
+    scene.start_agent("recorder", scene.folder)
+    scene.finish()
+    env = aloft.HeightEnv(scene.folder / "experiment.json", history=2, site_map=3)
+    digests = {(row["condition"], row["trial"]): row["digest"] for row in scene.export("--flights")}
+    assert len(digests) == 6
+    for (condition, name), trial in itertools.product(enumerate(env.conditions), range(2)):
+        observation, info = env.reset(seed=5, options={"condition": condition, "trial": trial})
+        seen = np.load(scene.folder / f"{condition}-{trial}.npy")
+        assert len(seen) == info["steps"]
+        policy = Zigzag()
+        for step in range(info["steps"]):
+            np.testing.assert_array_equal(seen[step], observation)
+            observation, *_ = env.step(np.int64(policy.predict(observation)[0]))
+        assert hashlib.sha256(env.trace("visitor")).hexdigest() == digests[name, str(trial)]
+
+
 def test_an_agent_can_be_run_again_in_the_same_process() -> None:
     agent = Climber()
     for _ in range(2):
@@ -190,7 +215,7 @@ def test_an_agent_can_be_run_again_in_the_same_process() -> None:
 def test_an_agent_is_swapped_in_and_out_by_order_in_mid_flight(scene: Scene) -> None:
     crew = [{"agent": "min-height"}, {"agent": VISITOR, "shadow": False}]
     agents = [{"type": "relay", "name": "uav", "crew": crew}]
-    scene.start_run(agents, trials=8, world=LONG, on_agent_loss="failover")
+    scene.start_run(agents, trials=8, worlds=[LONG], on_agent_loss="failover")
     scene.start_agent("climber")
     scene.wait_for("agent visitor", lambda: "agent visitor is there" in scene.channel_log())
     place = ["--run", scene.run, "--worker", "w0", "--domain", scene.domain]
@@ -219,7 +244,7 @@ def test_a_standby_takes_over_from_an_agent_that_is_killed_but_not_from_one_that
 
 def test_the_site_map_says_the_same_as_to_an_agent_in_c(scene: Scene) -> None:
     agents = [{"type": "external", "name": name, "privilege": "site-map"} for name in ("visitor", "in-c")]
-    scene.start_run(agents, trials=5, world={**WORLD, "site_map_error_m": 30})
+    scene.start_run(agents, trials=5, worlds=[{**WORLD, "site_map_error_m": 30}])
     scene.start_agent("near-sites")
     os.environ["CYCLONEDDS_URI"] = f"file://{SOURCE}/deploy/dds/cyclonedds-loopback.xml"
     foreign = [PROGRAMS / "aloft-foreign-agent", scene.domain, scene.run, "w0", "in-c", "site-map"]

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes FOLDER a virtual environment of Debian's Python with what building and testing the Python package needs, in the
-# versions of python/tests/requirements.txt. With nothing to do it takes no time. Of Debian's own packages it sees PyTorch and
+# versions of python/tests/requirements.txt. With nothing to do it takes no time. Of Debian's own packages it sees PyTorch, pandas and
 # the NumPy for which that was built.
 #   tools/python_environment.sh FOLDER
 set -euo pipefail

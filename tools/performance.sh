@@ -10,7 +10,7 @@ domain=${ALOFT_PERFORMANCE_DOMAIN:-59}  # DDS domain of the runs
 [ -f build/build.ninja ] || cmake --preset release
 cmake --build build --target aloft aloft-environment aloft-channel aloft-learning-agent aloft-baseline-agent aloft-coordinator \
   aloft-metrics learn_benchmark flight_parts environment_steps radio_benchmark bus_round_trip bus_worker scaling coordinator_benchmark \
-  fake_workers >&2
+  fake_workers aloft_python >&2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 bin=build/bin
@@ -192,6 +192,15 @@ benchmark; and a report with its command, there and back, through our bus and wi
 TEXT
   { $bin/bus_worker --benchmark_format=csv 2> /dev/null | awk -F, '/^name/ {next} /^"worker/ {gsub(/"/, "", $1); split($1, n, "/"); printf "%-18s %8.0f steps/s\n", n[1], $NF}'
     $bin/bus_round_trip 2> /dev/null | grep -o '[a-z0-9_]*=[0-9.a-z]*' | sed 's/=/ /' | awk '{printf "%-18s %8s\n", $1, $2}'; } | code
+
+  say "an agent in Python ..."
+  cat << 'TEXT'
+
+## An agent in Python
+`bench/python_agent.py`: commands per second of an agent in Python (`aloft.dds`) that flies all flights of one worker, and the
+CPU time that one command takes in its process, nearly all of it for reading the report.
+TEXT
+  PYTHONPATH=build/python build/python-venv/bin/python bench/python_agent.py "$domain" | code
 
   say "growth of the SE table ..."
   cat << 'TEXT'

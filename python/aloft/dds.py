@@ -113,6 +113,7 @@ class PolicyAgent(Agent):
         self.privilege = "site-map" if site_map else ""
         self._layout = (history, site_map)
         self._options = options
+        _core.Observer(*self._layout)  # numbers that it does not take are refused here
 
     def begin(self, report: wire.ChannelReport) -> None:
         self._observer = _core.Observer(*self._layout)

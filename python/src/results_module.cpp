@@ -1,4 +1,5 @@
-// _core.Results: the flights and steps of a result folder, as columns.
+// _core.Results: the flights and steps of a result folder, as columns. The global lock is held: a store is for one
+// thread.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
@@ -66,21 +67,18 @@ void add_key(Columns& columns, const experiment::Experiment& experiment, const e
 nb::tuple flights(const ResultStore& results) {
   Columns columns;
   std::vector<std::string> digests;
-  {
-    const nb::gil_scoped_release released;
-    results.for_each_flight([&](const store::FlightSummary& flight) {
-      add_key(columns, results.experiment(), flight.key);
-      for (std::size_t i = 0; i < flight::metrics().size(); ++i) {
-        const flight::Metric& metric = flight::metrics()[i];
-        const std::string name(metric.key);
-        if (metric.integer && !metric.optional)
-          columns.integers[name].push_back(static_cast<std::int64_t>(flight.metrics.number(i)));
-        else
-          columns.numbers[name].push_back(flight.metrics.number(i));
-      }
-      digests.push_back(flight.digest);
-    });
-  }
+  results.for_each_flight([&](const store::FlightSummary& flight) {
+    add_key(columns, results.experiment(), flight.key);
+    for (std::size_t i = 0; i < flight::metrics().size(); ++i) {
+      const flight::Metric& metric = flight::metrics()[i];
+      const std::string name(metric.key);
+      if (metric.integer && !metric.optional)
+        columns.integers[name].push_back(static_cast<std::int64_t>(flight.metrics.number(i)));
+      else
+        columns.numbers[name].push_back(flight.metrics.number(i));
+    }
+    digests.push_back(flight.digest);
+  });
   return nb::make_tuple(arrays_of(std::move(columns)), digests);
 }
 
@@ -122,15 +120,12 @@ void add_steps(Columns& columns, Names& pilots, const flight::FlightRecord& reco
 nb::tuple steps(const ResultStore& results) {
   Columns columns;
   Names pilots;
-  {
-    const nb::gil_scoped_release released;
-    const experiment::Experiment& experiment = results.experiment();
-    results.for_each_flight([&](const store::FlightSummary& flight) {
-      const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
-      for (std::size_t i = 0; i < record.steps.size(); ++i) add_key(columns, experiment, flight.key);
-      add_steps(columns, pilots, record, experiment.costs_in(experiment.conditions.at(flight.key.condition)));
-    });
-  }
+  const experiment::Experiment& experiment = results.experiment();
+  results.for_each_flight([&](const store::FlightSummary& flight) {
+    const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
+    for (std::size_t i = 0; i < record.steps.size(); ++i) add_key(columns, experiment, flight.key);
+    add_steps(columns, pilots, record, experiment.costs_in(experiment.conditions.at(flight.key.condition)));
+  });
   return nb::make_tuple(arrays_of(std::move(columns)), pilots.all());
 }
 

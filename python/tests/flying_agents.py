@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,13 @@ class Zigzag:
         return np.array(2 if len(self.seen) % 10 < 5 else 0), None
 
 
+class HalfWay:
+    """A policy that climbs to the middle of the heights."""
+
+    def predict(self, observation: Any) -> int:
+        return 2 if observation[1] < 0.5 else 1
+
+
 def dies_at_step_50(kind: type[Agent], once: Path | None = None) -> type[Agent]:
     """Killed as by `kill -9` when it is asked for step 50 of trial 1; if a file is given, only while it is not there."""
 
@@ -103,18 +111,16 @@ def dies_at_step_50(kind: type[Agent], once: Path | None = None) -> type[Agent]:
     return Mortal
 
 
+KINDS: dict[str, Callable[[Path | None], Agent]] = {
+    "climber": lambda _: Climber(),
+    "near-sites": lambda _: NearSites(),
+    "half-way": lambda _: PolicyAgent(HalfWay()),
+    "recorder": Recorder,
+    "mortal-climber": lambda file: dies_at_step_50(Climber, file)(),
+    "mortal-stairs": lambda file: dies_at_step_50(Stairs, file)(),
+    "mortal-thinker": lambda file: dies_at_step_50(Thinker, file)(),
+}
+
 if __name__ == "__main__":
-    agent, domain, run, worker, name, *file = sys.argv[1:]
-    once = Path(file[0]) if file else None
-    if agent == "recorder":
-        Recorder(Path(file[0])).run(int(domain), run, worker, name)
-        sys.exit()
-    kinds = {
-        "climber": Climber,
-        "stairs": Stairs,
-        "near-sites": NearSites,
-        "mortal-climber": dies_at_step_50(Climber, once),
-        "mortal-thinker": dies_at_step_50(Thinker, once),
-        "mortal-stairs": dies_at_step_50(Stairs, once),
-    }
-    kinds[agent]().run(int(domain), run, worker, name)
+    kind, domain, run, worker, name, *file = sys.argv[1:]
+    KINDS[kind](Path(file[0]) if file else None).run(int(domain), run, worker, name)

@@ -1,9 +1,9 @@
 """What docs/python.md shows and says."""
 
 import inspect
-import os
 import re
-from collections.abc import Iterator
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,11 +17,11 @@ SAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
 
 @pytest.fixture(autouse=True)
-def in_the_checkout() -> Iterator[None]:
-    before = os.getcwd()
-    os.chdir(ROOT)
-    yield
-    os.chdir(before)
+def in_a_folder_as_the_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With results, as after a run."""
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    shutil.copytree(ROOT / "tests/golden/results-0.2.0/interrupted", tmp_path / "results/bs-density")
+    monkeypatch.chdir(tmp_path)
 
 
 def table(heading: str) -> list[list[str]]:
@@ -40,7 +40,7 @@ def test_samples_run(number: int) -> None:
 
 
 def test_there_are_samples() -> None:
-    assert len(SAMPLES) == 5
+    assert len(SAMPLES) == 6
 
 
 def test_the_layout_of_observations_is_the_real_one() -> None:

@@ -1,13 +1,14 @@
-"""A PPO model of Stable-Baselines3 as an agent. Usage: sb3_policy.py MODEL.zip HISTORY DOMAIN RUN WORKER NAME"""
+"""A policy of PPO or A2C, saved by `model.policy.save`, as an agent. Usage: sb3_policy.py POLICY HISTORY DOMAIN RUN WORKER NAME"""
 
 import sys
 
 import torch
-from stable_baselines3 import PPO
+from stable_baselines3.common.policies import ActorCriticPolicy
 
 from aloft.dds import PolicyAgent
 
 if __name__ == "__main__":
-    model, history, domain, *place = sys.argv[1:]
+    file, history, domain, *place = sys.argv[1:]
     torch.set_num_threads(1)  # one decision at a time
-    PolicyAgent(PPO.load(model, device="cpu"), history=int(history), deterministic=True).run(int(domain), *place)
+    policy = ActorCriticPolicy.load(file, device="cpu")
+    PolicyAgent(policy, history=int(history), deterministic=True).run(int(domain), *place)

@@ -1,7 +1,7 @@
 """Trains PPO over cities with 1 to 5 base stations per km2, and flies it beside agents of Aloft.
 
-    train_ppo.py train MODEL.zip [--steps N]
-    train_ppo.py fly MODEL.zip --out FOLDER [--trials N] [--aloft PROGRAM]
+    train_ppo.py train POLICY [--steps N]
+    train_ppo.py fly POLICY --out FOLDER [--trials N] [--aloft PROGRAM]
 
 The first needs PyTorch and Stable-Baselines3, the second also the programs of Aloft.
 """
@@ -12,6 +12,7 @@ import json
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,23 +27,13 @@ SEED = 1000  # of the cities that are flown; training uses the seeds 0 to 99
 WORKERS = 2
 
 
-def train(model_file: Path, steps: int) -> None:
+def train(file: Path, steps: int) -> None:
     """Trains and saves a policy. Each density has the same number of environments."""
     import torch
+    from scaled import Scaled
     from stable_baselines3 import PPO
-    from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 
     import aloft.sb3
-
-    class Scaled(BaseFeaturesExtractor):
-        """Brings dB and bit/s/Hz to the order of 1."""
-
-        def __init__(self, space, scale):
-            super().__init__(space, space.shape[0])
-            self.register_buffer("scale", torch.tensor(scale, dtype=torch.float32))
-
-        def forward(self, observations):
-            return observations * self.scale
 
     torch.set_num_threads(1)
     envs = aloft.sb3.vec_env(100, WORLD, history=HISTORY)
@@ -64,7 +55,7 @@ def train(model_file: Path, steps: int) -> None:
         policy_kwargs={"features_extractor_class": Scaled, "features_extractor_kwargs": {"scale": scale}},
     )
     model.learn(steps)
-    model.save(model_file)
+    model.policy.save(file)
 
 
 def fly(agent: list[str | Path], out: Path, trials: int, program: str | Path = "aloft", run: str = "ppo", domain: int = 0) -> None:
@@ -76,21 +67,27 @@ def fly(agent: list[str | Path], out: Path, trials: int, program: str | Path = "
         "world": WORLD,
         "agents": ["min-height", "height-filter", "pretrained", {"type": "external", "name": "ppo"}],
     }
-    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as agents:
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as started:
         file = Path(folder, "ppo.json")
         file.write_text(json.dumps(experiment))
-        for worker in range(WORKERS):
-            agents.enter_context(started([*agent, str(domain), run, f"w{worker}", "ppo"]))
+        agents = [started.enter_context(ends([*agent, str(domain), run, f"w{worker}", "ppo"])) for worker in range(WORKERS)]
         place = ["--run", run, "--domain", str(domain), "--workers", str(WORKERS), "--out", out]
-        subprocess.run([program, "run", file, *place], check=True)
+        flown = started.enter_context(ends([program, "run", file, *place]))
+        while flown.poll() is None:
+            if any(process.poll() is not None for process in agents):
+                raise RuntimeError("an agent has ended before the run; what it printed says why")
+            time.sleep(0.1)
+        if flown.returncode != 0:
+            raise RuntimeError(f"aloft run ended with code {flown.returncode}")
     subprocess.run([program, "report", out], check=True)
 
 
 @contextlib.contextmanager
-def started(command: list[str | Path]) -> Iterator[None]:
+def ends(command: list[str | Path]) -> Iterator[subprocess.Popen]:
+    """A process that ends with the block, if it has not ended before."""
     process = subprocess.Popen(command)
     try:
-        yield
+        yield process
     finally:
         process.terminate()
         process.wait()
@@ -112,17 +109,17 @@ def show(out: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=["train", "fly"])
-    parser.add_argument("model", type=Path, help="MODEL.zip")
+    parser.add_argument("policy", type=Path, help="file of the policy")
     parser.add_argument("--steps", type=int, default=500_000, help="of training [%(default)s]")
     parser.add_argument("--out", type=Path, default=Path("results/ppo"), help="result folder [%(default)s]")
     parser.add_argument("--trials", type=int, default=30, help="per density [%(default)s]")
     parser.add_argument("--aloft", default="aloft", help="the program [%(default)s]")
     options = parser.parse_args()
     if options.what == "train":
-        train(options.model, options.steps)
+        train(options.policy, options.steps)
     else:
-        policy = Path(__file__).with_name("sb3_policy.py")
-        fly([sys.executable, policy, options.model, str(HISTORY)], options.out, options.trials, options.aloft)
+        agent = Path(__file__).with_name("sb3_policy.py")
+        fly([sys.executable, agent, options.policy, str(HISTORY)], options.out, options.trials, options.aloft)
         show(options.out)
 
 

@@ -2,7 +2,9 @@
 
 import json
 import os
+import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,20 @@ EXAMPLES = ROOT / "examples/python"
 sys.path.insert(0, str(EXAMPLES))
 
 import train_ppo  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def limit() -> Iterator[None]:
+    """What the run printed says whom it waits for."""
+
+    def late(*_: Any) -> None:
+        pytest.fail("the example has not ended in 300 s; on an idle machine it takes 10 s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(300)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture
@@ -40,6 +56,11 @@ def test_a_policy_is_flown_by_two_workers_beside_agents_of_aloft(
     lines = capfd.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines[1:]] == ["min-height", "height-filter", "pretrained", "ppo"]
     assert lines[1].split()[1:] == ["+0.00"] * 5
+
+
+def test_an_agent_that_ends_too_early_ends_the_run(place: dict[str, Any], tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="an agent has ended before the run"):
+        train_ppo.fly([sys.executable, "-c", "raise SystemExit(3)"], tmp_path / "out", 2, **place)
 
 
 def test_the_notebook_trains_and_flies(place: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

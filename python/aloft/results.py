@@ -8,7 +8,7 @@
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -125,11 +125,12 @@ class Results:
         }
 
 
-def _texts(names: Any, numbers: NDArray[Any]) -> NDArray[Any]:
-    return np.array(names, dtype=str)[numbers]
+def _texts(names: Sequence[str], numbers: NDArray[Any]) -> NDArray[Any]:
+    texts: NDArray[Any] = np.array(names, dtype=str)[numbers]
+    return texts
 
 
-def _named(columns: dict[str, NDArray[Any]], names: Any) -> dict[str, NDArray[Any]]:
+def _named(columns: dict[str, NDArray[Any]], names: Sequence[str]) -> dict[str, NDArray[Any]]:
     return {name: columns[name] for name in names}
 
 

@@ -89,7 +89,7 @@ void define_observer(nb::module_& m) {
       .def("survey", &survey, "site_map"_a, "Takes a SiteMap.",
            nb::sig("def survey(self, site_map: typing.Any) -> None"))
       .def("note", &note, "report"_a, "Takes the ChannelReport of a step; returns the observation.",
-           nb::sig("def note(self, report: typing.Any) -> numpy.ndarray"));
+           nb::sig("def note(self, report: typing.Any) -> numpy.typing.NDArray[numpy.float32]"));
 }
 
 }  // namespace aloft::python

@@ -148,7 +148,8 @@ nb::list agents_of(const ResultStore& results) {
 
 void define_results(nb::module_& m) {
   nb::class_<ResultStore>(m, "Results", "A result folder, read only.")
-      .def_static("open", &ResultStore::open_for_reading, "folder"_a)
+      .def_static("open", &ResultStore::open_for_reading, "folder"_a,
+                  nb::sig("def open(folder: str | os.PathLike[str]) -> Results"))
       .def_prop_ro("seed", [](const ResultStore& results) { return results.experiment().seed; })
       .def_prop_ro(
           "experiment", [](const ResultStore& results) { return results.experiment().canonical.dump(); },
@@ -158,9 +159,9 @@ void define_results(nb::module_& m) {
       .def_prop_ro("agents", &agents_of, "Name, type and privilege of each.",
                    nb::sig("def agents(self, /) -> list[tuple[str, str, str]]"))
       .def("flights", &flights, "The columns of the flights, and their digests.",
-           nb::sig("def flights(self) -> tuple[dict[str, numpy.ndarray], list[str]]"))
+           nb::sig("def flights(self) -> tuple[dict[str, numpy.typing.NDArray[typing.Any]], list[str]]"))
       .def("steps", &steps, "The columns of the steps, and the names that 'flown_by' counts.",
-           nb::sig("def steps(self) -> tuple[dict[str, numpy.ndarray], list[str]]"));
+           nb::sig("def steps(self) -> tuple[dict[str, numpy.typing.NDArray[typing.Any]], list[str]]"));
   nb::list metrics;
   for (const flight::Metric& metric : flight::metrics()) metrics.append(std::string(metric.key));
   m.attr("METRICS") = nb::tuple(metrics);

@@ -1,4 +1,5 @@
-"""Writes aloft/wire.py, the types of an IDL file as cyclonedds.idl classes. Usage: make_wire.py FILE.idl OUTPUT.py
+"""Writes the types of an IDL file as classes of cyclonedds.idl, and a stub that says what their fields hold.
+Usage: make_wire.py FILE.idl FOLDER, which gets wire.py and wire.pyi
 
 `idlc -l py` of Cyclone DDS does the same, but not here: its wheels for Python 3.11 and later come without `idlc`, and
 for a sequence with a bound of 65536, as SiteMap has, it writes a type that cannot be used. Bounds are not on the wire,
@@ -10,13 +11,14 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+# What a type is called by cyclonedds.idl, and what it is in Python.
 BASIC = {
-    "boolean": "bool",
-    "octet": "types.uint8",
-    "long": "types.int32",
-    "unsigned long": "types.uint32",
-    "unsigned long long": "types.uint64",
-    "double": "types.float64",
+    "boolean": ("bool", "bool"),
+    "octet": ("types.uint8", "int"),
+    "long": ("types.int32", "int"),
+    "unsigned long": ("types.uint32", "int"),
+    "unsigned long long": ("types.uint64", "int"),
+    "double": ("types.float64", "float"),
 }
 LONGEST_BOUND = 65535  # that cyclonedds.idl takes
 
@@ -26,6 +28,11 @@ from dataclasses import dataclass
 from enum import auto
 
 from cyclonedds.idl import IdlEnum, IdlStruct, annotations, types
+
+'''
+STUB_HEADER = '''from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
 
 '''
 
@@ -69,22 +76,23 @@ class Reader:
         return self.sees(token) and bool(self.take())
 
 
-def type_of(idl: Reader, known: set[str]) -> str:
+def type_of(idl: Reader, known: set[str]) -> tuple[str, str]:
     word = idl.take()
     if word == "string":
         idl.take("<")
         bound = int(idl.take())
         idl.take(">")
-        return f"types.bounded_str[{bound}]"
+        return f"types.bounded_str[{bound}]", "str"
     if word == "sequence":
         idl.take("<")
-        element = type_of(idl, known)
+        element, plain = type_of(idl, known)
         idl.take(",")
         bound = int(idl.take())
         idl.take(">")
-        return f"types.sequence[{element}, {bound}]" if bound <= LONGEST_BOUND else f"types.sequence[{element}]"
+        bounded = f"{element}, {bound}" if bound <= LONGEST_BOUND else element
+        return f"types.sequence[{bounded}]", f"Sequence[{plain}]"
     if word in known:
-        return word
+        return word, word
     while word == "unsigned" or (word == "unsigned long" and idl.sees("long")):
         word += f" {idl.take()}"
     if word not in BASIC:
@@ -92,79 +100,95 @@ def type_of(idl: Reader, known: set[str]) -> str:
     return BASIC[word]
 
 
-def enum(idl: Reader, scope: str) -> tuple[str, str]:
+class Output:
+    """The text of the module and of its stub."""
+
+    def __init__(self) -> None:
+        self.module: list[str] = []
+        self.stub: list[str] = []
+
+    def add(self, module: list[str], stub: list[str]) -> None:
+        self.module.append("\n".join(module))
+        self.stub.append("\n".join(stub))
+
+
+def enum(idl: Reader, scope: str, output: Output) -> str:
     name = idl.take()
     idl.take("{")
     names = [idl.take()]
     while idl.takes(","):
         names.append(idl.take())
     idl.take("}")
-    lines = [f'class {name}(IdlEnum, typename="{scope}.{name}", default="{names[0]}"):']
-    lines += [f"    {one} = auto()  # from 0" if one == names[0] else f"    {one} = auto()" for one in names]
-    return name, "\n".join(lines)
+    output.add(
+        [
+            f'class {name}(IdlEnum, typename="{scope}.{name}", default="{names[0]}"):',
+            *(f"    {one} = auto()" for one in names),  # from 0
+        ],
+        [f"class {name}(Enum):", *(f"    {one} = {number}" for number, one in enumerate(names))],
+    )
+    return name
 
 
-def struct(idl: Reader, scope: str, known: set[str]) -> tuple[str, str]:
+def struct(idl: Reader, scope: str, known: set[str], output: Output) -> str:
     name = idl.take()
     idl.take("{")
-    lines = [
+    module = [
         "@dataclass",
         "@annotations.final",
         '@annotations.autoid("sequential")',
         f'class {name}(IdlStruct, typename="{scope}.{name}"):',
     ]
+    stub = ["@dataclass", f"class {name}:"]
     while not idl.takes("}"):
         key = idl.takes("@key")
-        of_type = type_of(idl, known)
+        of_type, plain = type_of(idl, known)
         member = idl.take()
         if idl.takes("["):
-            of_type = f"types.array[{of_type}, {int(idl.take())}]"
+            of_type, plain = f"types.array[{of_type}, {int(idl.take())}]", f"Sequence[{plain}]"
             idl.take("]")
         idl.take(";")
-        lines.append(f"    {member}: {of_type}")
+        module.append(f"    {member}: {of_type}")
         if key:
-            lines.append(f'    annotations.key("{member}")')
-    return name, "\n".join(lines)
+            module.append(f'    annotations.key("{member}")')
+        stub.append(f"    {member}: {plain}")
+    output.add(module, stub)
+    return name
 
 
-def module(idl: Reader, scope: str) -> list[str]:
-    parts: list[str] = []
+def module(idl: Reader, scope: str, output: Output) -> None:
     known: set[str] = set()
     idl.take("{")
     while not idl.takes("}"):
         word = idl.take()
         if word == "module":
             name = idl.take()
-            parts += module(idl, f"{scope}.{name}" if scope else name)
+            module(idl, f"{scope}.{name}" if scope else name, output)
         elif word == "const":
-            type_of(idl, known)
+            _, plain = type_of(idl, known)
             name = idl.take()
             idl.take("=")
-            parts.append(f"{name} = {int(idl.take())}")
+            output.add([f"{name} = {int(idl.take())}"], [f"{name}: {plain}"])
         elif word == "enum":
-            name, text = enum(idl, scope)
-            known.add(name)
-            parts.append(text)
+            known.add(enum(idl, scope, output))
         elif word == "@final":
             idl.take("struct")
-            name, text = struct(idl, scope, known)
-            known.add(name)
-            parts.append(text)
+            known.add(struct(idl, scope, known, output))
         else:
             idl.refuse(word)
         idl.take(";")
-    return parts
 
 
 def main() -> None:
     if len(sys.argv) != 3:
-        sys.exit(__doc__.splitlines()[0])
-    source, output = map(Path, sys.argv[1:])
-    idl = Reader(source)
+        sys.exit(__doc__)
+    source, folder = map(Path, sys.argv[1:])
+    idl, output = Reader(source), Output()
     idl.take("module")
-    parts = module(idl, idl.take())
+    module(idl, idl.take(), output)
     idl.take(";")
-    output.write_text(HEADER.format(idl=f"idl/{source.name}") + "\n\n\n".join(parts) + "\n", encoding="utf-8")
+    header = HEADER.format(idl=f"idl/{source.name}")
+    (folder / "wire.py").write_text(header + "\n\n\n".join(output.module) + "\n", encoding="utf-8")
+    (folder / "wire.pyi").write_text(STUB_HEADER + "\n\n".join(output.stub) + "\n", encoding="utf-8")
 
 
 main()

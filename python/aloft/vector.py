@@ -108,8 +108,8 @@ class HeightVectorEnv(VectorEnv[Any, Any, Any], EzPickle):
         options = check_options(options, ("trial", "condition", "reset_mask"))
         chosen = self._mask(options.get("reset_mask"))
         seeds, fresh = self._given_seeds(seed)
-        if seed is not None and np.ndim(seed) == 0:
-            super().reset(seed=int(seed))
+        if isinstance(seed, int):
+            super().reset(seed=seed)
         unseeded = chosen & ~fresh & ~self._seeded
         if unseeded.any():
             seeds[unseeded] = self.np_random.integers(2**63, size=int(unseeded.sum()), dtype=np.uint64)

@@ -40,8 +40,9 @@ template <LosRay kind>
       const double to_y_m = y_m[first + i] - ray->uav.y_m;
       lx_m[i] = to_x_m * ray->ux + to_y_m * ray->uy;
       const double ly_m = to_y_m * ray->ux - to_x_m * ray->uy;
-      const bool in_the_way = (lx_m[i] > 0.0) & (lx_m[i] < ray->length_m) & (std::fabs(ly_m) <= ray->half_width_m);
-      blocking_m[i] = in_the_way ? rise_m[first + i] : 0.0;
+      const double ahead_m = lx_m[i] > 0.0 ? rise_m[first + i] : 0.0;
+      const double between_m = lx_m[i] < ray->length_m ? ahead_m : 0.0;
+      blocking_m[i] = std::fabs(ly_m) <= ray->half_width_m ? between_m : 0.0;
       any_bits |= std::bit_cast<std::uint64_t>(blocking_m[i]);
     }
     if (any_bits == 0) continue;

@@ -299,17 +299,35 @@ class _Seat:
     """The writer of one stream that the agent shares with others: the worker receives the strongest one's commands."""
 
     def __init__(self, writer: _CommandWriter) -> None:
-        self.writer = writer
+        self._writer = writer
         self._asked = False
+        self._claim: wire.HeightCommand | None = None
 
-    def hear(self, report: wire.ChannelReport, asked: bool) -> None:
+    def hear(self, report: wire.ChannelReport, name: str) -> None:
+        asked = report.agent == name
         if asked == self._asked:
             return
         self._asked = asked
         # Stronger than all who were asked before: that those lower their strength is noticed late.
         turn = ((report.attempt % 2**17 + 1) << 14) + report.step
         strength = ctypes.c_int32(turn).value if asked else 1
-        self.writer.set_qos(Qos(Policy.OwnershipStrength(strength)))
+        self._writer.set_qos(Qos(Policy.OwnershipStrength(strength)))
+        # A writer owns only streams that it has written to, so it writes before the agent thinks: a command for another step
+        # than the one that is asked for, which the worker ignores.
+        self._claim = _command(report, name, Action.ACTION_HOLD) if asked else None
+        if self._claim is not None:
+            self._claim.step = report.step or 2
+            self._writer.write(self._claim)
+
+    def write(self, command: wire.HeightCommand) -> None:
+        self._claim = None
+        self._writer.write(command)
+
+    def assert_liveliness(self) -> None:
+        self._writer.assert_liveliness()
+        claim = self._claim
+        if claim is not None:  # the worker may have read it before it knew the new strength
+            self._writer.write(claim)
 
 
 class _Place:
@@ -346,27 +364,27 @@ class _Place:
         for site_map in _samples(self._site_maps) if self._site_maps is not None else ():
             self._write(flights.survey(site_map), self._commands)
         for report in _samples(self._reports):
-            seat = self._seat(report, report.agent == flights.name) if report.relay else None
-            self._write(flights.answer(report), self._commands if seat is None else seat.writer)
+            seat = self._seat(report, flights.name) if report.relay else None
+            self._write(flights.answer(report), self._commands if seat is None else seat)
 
-    def _seat(self, report: wire.ChannelReport, asked: bool) -> _Seat | None:
+    def _seat(self, report: wire.ChannelReport, name: str) -> _Seat | None:
         """None: in this relay, the agent has not been asked yet."""
         seat = self._seats.get(report.stream)
-        if seat is None and asked:
+        if seat is None and report.agent == name:
             seat = self._seats[report.stream] = _Seat(self._command_writer())
         if seat is not None:
-            seat.hear(report, asked)
+            seat.hear(report, name)
         return seat
 
     @staticmethod
-    def _write(command: wire.HeightCommand | None, writer: _CommandWriter) -> None:
+    def _write(command: wire.HeightCommand | None, writer: _CommandWriter | _Seat) -> None:
         if command is not None:
             writer.write(command)
 
     def assert_liveliness(self) -> None:
         self._commands.assert_liveliness()
         for seat in list(self._seats.values()):
-            seat.writer.assert_liveliness()
+            seat.assert_liveliness()
 
 
 def _samples(reader: DataReader) -> Iterator[Any]:

@@ -51,10 +51,10 @@ class NearSites(Agent):
 
 
 class Thinker(Climber):
-    """At step 30 of trial 1, computes for longer than the lease of its liveliness."""
+    """At steps 1 and 30 of trial 1, computes for longer than the lease of its liveliness."""
 
     def act(self, report: wire.ChannelReport) -> Action:
-        if report.trial == 1 and report.step == 29:
+        if report.trial == 1 and report.step in (0, 29):
             end = time.monotonic() + 2.0
             while time.monotonic() < end:
                 pass

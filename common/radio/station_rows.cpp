@@ -25,8 +25,8 @@ namespace {
 }
 
 template <BsAntenna antenna>
-[[gnu::always_inline]] inline void power_loop(const RadioModel* model, const double* distance_m, double rise_m,
-                                              std::size_t size, double* gain_to_power_w) {
+[[gnu::always_inline]] inline void station_power_loop(const RadioModel* model, const double* distance_m, double rise_m,
+                                                      std::size_t size, double* gain_to_power_w) {
   for (std::size_t k = 0; k < size; ++k)
     gain_to_power_w[k] = received_power_w<antenna>(*model, distance_m[k], rise_m, gain_to_power_w[k]);
 }
@@ -65,10 +65,11 @@ void sector_row(const RadioModel& model, const std::vector<world::Position>& bor
 void received_powers(const RadioModel& model, std::span<const double> distance_m, double rise_m,
                      double* gain_to_power_w) {
   if (model.bs_antenna == BsAntenna::array)
-    run_vectorised<power_loop<BsAntenna::array>>(&model, distance_m.data(), rise_m, distance_m.size(), gain_to_power_w);
+    run_vectorised<station_power_loop<BsAntenna::array>>(&model, distance_m.data(), rise_m, distance_m.size(),
+                                                         gain_to_power_w);
   else
-    run_vectorised<power_loop<BsAntenna::sector>>(&model, distance_m.data(), rise_m, distance_m.size(),
-                                                  gain_to_power_w);
+    run_vectorised<station_power_loop<BsAntenna::sector>>(&model, distance_m.data(), rise_m, distance_m.size(),
+                                                          gain_to_power_w);
 }
 
 void beam_row(const RadioModel& model, const StationRows& rows, std::uint32_t c, const BeamLimits& limits,

@@ -100,8 +100,8 @@ TEXT
 
 ## Environment steps
 `build/bin/environment_steps`: environments that a learner trains in, without the learner: a random policy, flights of 100 steps,
-each over a world of its own. Worlds are included; of the radio only the heights that are flown are computed. One thread and two
-in turns, the best turn of each. Steps per CPU second are those of one core; the ratio needs two idle cores.
+each over a world of its own. Worlds are included; of the radio only the heights that are flown are computed. Seconds are CPU time
+of the threads, so two threads are as fast on two cores that do nothing else.
 TEXT
   $bin/environment_steps | code
 

@@ -72,7 +72,8 @@ void SitePlanner::observe(const Observation& observation) {
 
 Command SitePlanner::act() {
   if (!plan_.covers(step() + 1)) throw std::logic_error(fmt::format("{} was not told the route ahead", type_));
-  return {belief_ ? weighed_action() : plan_.action(step() + 1, level())};
+  const bool weighs = belief_ && belief_->steps() > 0 && belief_->first_step() == step() + 1;
+  return {weighs ? weighed_action() : plan_.action(step() + 1, level())};
 }
 
 /// The best flight over the next steps by the weighed maps, and after them by the mean over all.
@@ -97,6 +98,12 @@ int SitePlanner::map_count() const noexcept {
 /// The seed of the i-th map: never that of the flight, whose trial has the true one.
 std::uint64_t SitePlanner::map_seed(int i) const noexcept {
   return flight().seed + mix64(static_cast<std::uint64_t>(i) + 1);
+}
+
+/// Whether there are several maps, and room for their columns.
+bool SitePlanner::may_weigh() const noexcept {
+  const auto maps = static_cast<std::size_t>(map_count());
+  return maps > 1 && route_.steps() <= most_kept / maps / plan_.levels();
 }
 
 /// Whether buildings block more of the links from the lowest height than may be ignored.
@@ -143,7 +150,7 @@ std::unique_ptr<radio::ExpectedField> SitePlanner::make_field(int i) const {
 void SitePlanner::expect_on_maps(std::size_t new_places, bool also_plan) {
   const std::size_t levels = plan_.levels();
   const auto maps = static_cast<std::size_t>(map_count());
-  const bool keep = maps > 1 && route_.steps() * maps * levels <= most_kept;
+  const bool keep = may_weigh();
   const std::size_t known = route_.steps() - new_places;
   std::vector<double> mean(new_places * levels, 0.0);
   std::vector<double> column(levels);
@@ -185,6 +192,11 @@ void SitePlanner::restore(const StateReader& reader) {
   route_.restore(reader, flight().steps);
   belief_.reset();
   const bool weighs = reader.integer("weighs") != 0;
+  if (weighs && (!survey_ || !may_weigh())) reader.refuse("it weighs maps that it cannot have");
+  if (weighs && route_.steps() > 0 &&
+      (route_.first_step() != step() + 1 || !plan_.covers(step() + 1) ||
+       plan_.first_step() + plan_.steps() != route_.first_step() + route_.steps()))
+    reader.refuse("its route does not fit its plan");
   if (!survey_) return;
   try {
     if (weighs)
@@ -194,7 +206,6 @@ void SitePlanner::restore(const StateReader& reader) {
   } catch (const std::exception& error) {
     reader.refuse(error.what());
   }
-  if (weighs != belief_.has_value()) reader.refuse("its maps are not as many as it says");
   if (belief_) belief_->restore(reader);
 }
 

@@ -54,6 +54,7 @@ class SitePlanner : public SteeringAgent {
  private:
   [[nodiscard]] bool told_in_parts() const noexcept { return survey_->map.route_points > 0; }
   [[nodiscard]] int map_count() const noexcept;
+  [[nodiscard]] bool may_weigh() const noexcept;
   [[nodiscard]] std::uint64_t map_seed(int i) const noexcept;
   [[nodiscard]] bool often_blocked(const std::vector<world::Position>& route) const;
   void add_missing(int i, std::vector<world::Site>& sites) const;

@@ -40,6 +40,7 @@ FlightInfo restore_flight(const StateReader& reader) {
   flight.seed = reader.integer("flight.seed");
   flight.trial = static_cast<std::uint32_t>(reader.integer("flight.trial"));
   if (!possible(flight)) reader.refuse("it is of a flight with impossible heights");
+  if (flight.steps > limits::steps) reader.refuse("it is of a flight with too many steps");
   return flight;
 }
 

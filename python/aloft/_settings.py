@@ -133,6 +133,12 @@ def seed_of(value: Any, most: int) -> int:
     return seed
 
 
+def check_next_trial(trial: int) -> None:
+    """Trials are counted in 32 bits."""
+    if trial >= 2**32:
+        raise ValueError(f"there is no trial after {trial - 1}; reset with another seed")
+
+
 def check_options(options: Any, known: tuple[str, ...]) -> dict[str, Any]:
     """The options of a reset: TypeError and ValueError name what is wrong."""
     if options is None:

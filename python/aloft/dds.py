@@ -158,13 +158,17 @@ class Flights:
     def flying(self) -> int:
         return len(self._flights)
 
+    def waiting(self, stream: int) -> wire.ChannelReport | None:
+        """The report that waits for its site map."""
+        return self._waiting.get(stream)
+
     def survey(self, site_map: wire.SiteMap) -> wire.HeightCommand | None:
         """Takes a site map; returns the command after the report that has waited for it, if one has."""
         known = self._site_maps.get(site_map.stream)
         if known is not None and _older(site_map.attempt, known.attempt):
             return None
         self._site_maps[site_map.stream] = site_map
-        waiting = self._waiting.get(site_map.stream)
+        waiting = self.waiting(site_map.stream)
         return None if waiting is None else self.answer(waiting)
 
     def answer(self, report: wire.ChannelReport) -> wire.HeightCommand | None:
@@ -183,6 +187,11 @@ class Flights:
             del self._flights[report.stream]
             flight = None
         if report.last:
+            # A later run of the same name may count its attempts anew.
+            del self._attempts[report.stream]
+            site_map = self._site_maps.get(report.stream)
+            if site_map is not None and site_map.attempt == report.attempt:
+                del self._site_maps[report.stream]
             if flight is not None:
                 del self._flights[report.stream]
                 self.served += 1
@@ -362,7 +371,9 @@ class _Place:
         """Waits for news, for 100 ms at most, and answers them."""
         self._news.wait(_LONGEST_WAIT)
         for site_map in _samples(self._site_maps) if self._site_maps is not None else ():
-            self._write(flights.survey(site_map), self._commands)
+            waiting = flights.waiting(site_map.stream)
+            shared = self._seats.get(site_map.stream) if waiting is not None and waiting.relay else None
+            self._write(flights.survey(site_map), self._commands if shared is None else shared)
         for report in _samples(self._reports):
             seat = self._seat(report, flights.name) if report.relay else None
             self._write(flights.answer(report), self._commands if seat is None else seat)

@@ -15,6 +15,7 @@ from aloft._settings import (
     Privileged,
     Settings,
     World,
+    check_next_trial,
     check_options,
     option,
     seed_of,
@@ -100,6 +101,7 @@ class HeightEnv(gym.Env[Any, np.int64], EzPickle):
         trial, condition = option(options, "trial"), option(options, "condition")
         trial = next_trial if trial is None else trial
         condition = self._condition if condition is None else condition
+        check_next_trial(trial)
         super().reset(seed=None if seed is None else next_seed)
         self._fleet.reset(
             np.array([next_seed], np.uint64),

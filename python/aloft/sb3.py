@@ -13,7 +13,11 @@ __all__ = ["vec_env"]
 
 
 def vec_env(num_envs: int = 1, world: Any = None, *, num_threads: int = 0, **env_kwargs: Any) -> "HeightVecEnv":
-    """``num_envs`` environments for Stable-Baselines3; the other arguments are those of :class:`aloft.HeightVectorEnv`."""
+    """``num_envs`` environments for Stable-Baselines3; the other arguments are those of :class:`aloft.HeightVectorEnv`, but
+    for ``copy`` and ``autoreset_mode``: its buffers need copies, and flights that begin in the step that ends another."""
+    for name in ("copy", "autoreset_mode"):
+        if name in env_kwargs:
+            raise TypeError(f"vec_env takes no {name}: Stable-Baselines3 needs copies, and autoreset in the same step")
     return HeightVecEnv(
         HeightVectorEnv(
             num_envs, world, num_threads=num_threads, autoreset_mode=AutoresetMode.SAME_STEP, **env_kwargs

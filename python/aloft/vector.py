@@ -18,6 +18,7 @@ from aloft._settings import (
     Privileged,
     Settings,
     World,
+    check_next_trial,
     check_options,
     seed_of,
 )
@@ -117,6 +118,8 @@ class HeightVectorEnv(VectorEnv[Any, Any, Any], EzPickle):
         integers = self._columns["integer"]
         seeds = np.where(goes_on, integers[_INTEGER["seed"]].astype(np.uint64), seeds)
         trials = np.where(goes_on, integers[_INTEGER["trial"]] + 1, 0)
+        if options.get("trial") is None:
+            check_next_trial(int(np.where(chosen, trials, 0).max()))
         trials = self._each(options, "trial", trials)
         conditions = self._each(options, "condition", integers[_INTEGER["condition"]])
         self._fleet.reset(seeds, trials, conditions, chosen.view(np.uint8))

@@ -13,20 +13,12 @@ namespace {
 
 constexpr std::uint32_t max_environments = 65'536;
 constexpr std::uint32_t max_threads = 1'024;
-constexpr std::uint32_t max_history = 1'024;
-constexpr std::uint32_t max_sites = 1'024;
 constexpr std::size_t max_values = std::size_t{1} << 28U;  // of all observations together, and of all foresight
-
-void check_range(std::string_view name, std::uint32_t value, std::uint32_t low, std::uint32_t high) {
-  if (value < low || value > high)
-    throw InputError("{}: {} is not allowed; use a whole number from {} to {}", name, value, low, high);
-}
 
 Fleet::Settings checked(Fleet::Settings settings) {
   check_range("num_envs", settings.environments, 1, max_environments);
   check_range("num_threads", settings.threads, 0, max_threads);
-  check_range("history", settings.layout.history, 0, max_history);
-  check_range("site_map", settings.layout.sites, 0, max_sites);
+  check(settings.layout);
   if (settings.environments * settings.layout.size() > max_values)
     throw InputError("{} environments x {} values are too large for one observation; use at most {} values together",
                      settings.environments, settings.layout.size(), max_values);
@@ -62,6 +54,20 @@ Fleet::Fleet(std::shared_ptr<const Worlds> worlds, const Settings& settings)
         "a greater height_resolution_m",
         size(), columns_.profile_steps, columns_.profile_heights, max_values);
   columns_.profile.resize(values);
+  check_conditions();
+}
+
+/// Every condition must have room for its foresight.
+void Fleet::check_conditions() const {
+  const bool whole = settings_.foresight == Foresight::whole_route;
+  for (std::uint32_t i = 1; i < worlds_->conditions().size(); ++i) {
+    const auto map = worlds_->map(i, 0, 0);
+    if (map->heights().size() != columns_.profile_heights || (whole && map->steps() != columns_.profile_steps))
+      throw InputError(
+          "condition {} has {} steps and {} heights, but condition 0 has others; with foresight all conditions "
+          "must have the same",
+          i, map->steps(), map->heights().size());
+  }
 }
 
 std::span<float> Fleet::observation_of(std::vector<float>& all, std::uint32_t index) const {
@@ -174,13 +180,6 @@ void Fleet::write_foresight(std::uint32_t index) {
   if (settings_.foresight == Foresight::none || flight.finished()) return;
   const std::uint32_t next = flight.observation().step + 1;
   if (settings_.foresight == Foresight::whole_route && next > 1) return;  // told already
-  const bool whole = settings_.foresight == Foresight::whole_route;
-  if (environments_[index].heights() != columns_.profile_heights ||
-      (whole && flight.info().steps != columns_.profile_steps))
-    throw InputError(
-        "condition {} has {} steps and {} heights, but condition 0 has others; with foresight all conditions "
-        "must have the same",
-        environments_[index].start().condition, flight.info().steps, environments_[index].heights());
   agents::HeightProfile profile;
   for (std::uint32_t row = 0; row < columns_.profile_steps; ++row) {
     flight.profile(next + row, profile);

@@ -84,6 +84,7 @@ class Fleet {
   };
 
   [[nodiscard]] const Environment& environment(std::uint32_t index) const;
+  void check_conditions() const;
   void check_action(std::uint32_t index, std::int64_t action) const;
   void begin_one(std::uint32_t index, const Start& start);
   void step_one(std::uint32_t index, std::int64_t action);

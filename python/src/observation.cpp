@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/error.hpp"
+
 namespace aloft::python {
 namespace {
 
@@ -21,7 +23,20 @@ class Writer {
   std::span<float>::iterator at_;
 };
 
+constexpr std::uint32_t max_history = 1'024;
+constexpr std::uint32_t max_sites = 1'024;
+
 }  // namespace
+
+void check_range(std::string_view name, std::uint32_t value, std::uint32_t low, std::uint32_t high) {
+  if (value < low || value > high)
+    throw InputError("{}: {} is not allowed; use a whole number from {} to {}", name, value, low, high);
+}
+
+void check(const Layout& layout) {
+  check_range("history", layout.history, 0, max_history);
+  check_range("site_map", layout.sites, 0, max_sites);
+}
 
 void write_report(const agents::FlightInfo& flight, const agents::Observation& report, std::span<float> to) {
   const auto& [step, height, sinr, neighbours, quality, executed, reward] = report_fields;

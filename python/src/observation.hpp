@@ -59,6 +59,11 @@ struct Layout {
   }
 };
 
+/// InputError with the allowed range.
+void check_range(std::string_view name, std::uint32_t value, std::uint32_t low, std::uint32_t high);
+/// InputError if an observation would be too large.
+void check(const Layout& layout);
+
 /// Writes values_of(report_fields) values.
 void write_report(const agents::FlightInfo& flight, const agents::Observation& report, std::span<float> to);
 

@@ -81,7 +81,9 @@ void define_observer(nb::module_& m) {
       .def(
           "__init__",
           [](Observer* self, std::uint32_t history, std::uint32_t sites) {
-            new (self) Observer(Layout{.history = history, .sites = sites});
+            const Layout layout{.history = history, .sites = sites};
+            check(layout);
+            new (self) Observer(layout);
           },
           "history"_a, "sites"_a)
       .def("begin", &begin, "report"_a, "A flight begins, of which this is a ChannelReport.",

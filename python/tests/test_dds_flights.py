@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from aloft import wire
-from aloft.dds import Action, Agent, Flights
+from aloft.dds import Action, Agent, Flights, PolicyAgent
 
 
 def report(step: int = 0, **changes: object) -> wire.ChannelReport:
@@ -135,6 +135,18 @@ def test_a_new_attempt_is_a_new_flight_and_an_older_one_is_stale() -> None:
     assert flights.answer(report(0, attempt=11)).action == Action.ACTION_UP
     assert flights.answer(report(1, attempt=10)) is None
     assert flights.answer(report(1, attempt=11)).action == Action.ACTION_DOWN
+
+
+def test_after_the_end_of_a_flight_attempts_may_be_counted_anew() -> None:
+    flights = Flights(Counter(), "visitor")
+    assert flights.answer(report(0, attempt=2**31 + 5))
+    assert flights.answer(report(1, attempt=2**31 + 5, last=True)) is None
+    assert flights.answer(report(0, attempt=1))
+
+
+def test_more_history_than_environments_have_is_refused() -> None:
+    with pytest.raises(ValueError, match="history: 50000000 is not allowed; use a whole number from 0 to 1024"):
+        PolicyAgent(None, history=50_000_000)
 
 
 def test_attempts_may_wrap_around() -> None:

@@ -70,6 +70,22 @@ def test_a_module_name_in_the_id_imports_the_package() -> None:
     assert done.stdout == "{'seed': 1, 'trial': 0, 'steps': 100, 'condition': 0}\n"
 
 
+def test_no_trial_follows_the_last_one() -> None:
+    env, envs = aloft.HeightEnv(CITY), aloft.HeightVectorEnv(2, CITY)
+    for one in (env, envs):
+        one.reset(seed=1, options={"trial": 2**32 - 1})
+        with pytest.raises(ValueError, match="there is no trial after 4294967295; reset with another seed"):
+            one.reset()
+    assert env.step(1)[4]["executed"] == 1  # the flight goes on
+
+
+def test_conditions_that_differ_in_what_is_foreseen_are_refused_at_once() -> None:
+    world = {**CITY, "height_resolution_m": [10, 5]}
+    with pytest.raises(ValueError, match="with foresight all conditions must have the same"):
+        aloft.HeightEnv(world, privileged=True)
+    aloft.HeightEnv(world)
+
+
 def test_a_seed_begins_at_trial_0_and_each_reset_goes_on() -> None:
     env = aloft.HeightEnv(CITY)
     first, info = env.reset(seed=0)

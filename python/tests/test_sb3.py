@@ -47,3 +47,9 @@ def test_an_agent_learns_on_it() -> None:
     assert len(model.ep_info_buffer) == 8
     assert envs.env_method("trace")[0][:1] == b"\x08"
     envs.close()
+
+
+@pytest.mark.parametrize("name", ["copy", "autoreset_mode"])
+def test_what_would_spoil_training_is_refused(name: str) -> None:
+    with pytest.raises(TypeError, match=f"vec_env takes no {name}"):
+        aloft.sb3.vec_env(2, {}, **{name: False})

@@ -36,6 +36,7 @@ def check_equals_export(program: str, folder: Path, rows: str, table: Table) -> 
     """Every column of `aloft export`, value by value."""
     text = subprocess.run([program, "export", rows, folder], check=True, capture_output=True, text=True).stdout
     exported = list(csv.DictReader(io.StringIO(text)))
+    assert list(exported[0]) == list(table)
     assert len(exported) == table.rows > 0
     for name in exported[0]:
         values = [row[name] for row in exported]

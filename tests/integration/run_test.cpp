@@ -250,8 +250,9 @@ TEST_CASE("export gives every flight and every step, as CSV and JSON") {
   const std::string dir = scene.out("run");
   const std::string csv = run_command({"aloft", "export", dir, "--flights", "--format", "csv"}).out;
   CHECK(std::count(csv.begin(), csv.end(), '\n') == flights + 1);
-  CHECK_THAT(csv, Catch::StartsWith("condition,trial,agent,privilege,qos_unit,") && Contains(",planner,whole-route,") &&
-                      Contains(",one-step-ahead,next-step,") && Contains(",dqn,none,"));
+  CHECK_THAT(csv, Contains(",seed,trial,agent,agent_type,privilege,qos_unit,") &&
+                      Contains(",planner,planner,whole-route,") &&
+                      Contains(",one-step-ahead,one-step-ahead,next-step,") && Contains(",dqn,dqn,none,"));
   const Json steps = Json::parse(run_command({"aloft", "export", dir, "--steps", "--format", "json"}).out);
   const Json sample = Json::parse(run_command({"aloft", "inspect", "table", scene.experiment, "--condition", "0",
                                                "--trial", "2", "--format", "json"})
@@ -264,6 +265,10 @@ TEST_CASE("export gives every flight and every step, as CSV and JSON") {
     return (step["privilege"] == "whole-route") == (step["agent"] == "planner");
   }));
   CHECK(generated_steps == 2U * 3 * 8 * 30);
+  CHECK(std::all_of(steps.begin(), steps.end(), [](const Json& step) {
+    return step["bs_density_per_km2"].is_null() == (step["condition"] == "measured");
+  }));
+  CHECK(std::all_of(steps.begin(), steps.end(), [](const Json& step) { return step["seed"] == 11; }));
 }
 
 TEST_CASE("--agents, --trials, --seed and --set override the file") {

@@ -48,14 +48,33 @@ class RowWriter {
   bool first_ = true;
 };
 
-Row key_row(const experiment::Experiment& experiment, const experiment::FlightKey& key) {
-  const experiment::Condition& condition = experiment.conditions.at(key.condition);
-  return {{"condition", condition.name},
-          {"trial", key.trial},
-          {"agent", key.agent},
-          {"privilege", agents::privilege_tier(experiment.agent(key.agent).privilege()).name},
-          {"qos_unit", experiment::qos_unit(condition.kind)}};
-}
+/// What flights have in common, in columns of their own: the same for flights and steps, and in the Python package.
+class KeyColumns {
+ public:
+  explicit KeyColumns(const experiment::Experiment& experiment) : experiment_(experiment) {
+    for (const experiment::Condition& condition : experiment.conditions)
+      for (const auto& swept : condition.parameters.items()) swept_[swept.key()] = nullptr;
+  }
+
+  [[nodiscard]] Row row(const experiment::FlightKey& key) const {
+    const experiment::Condition& condition = experiment_.conditions.at(key.condition);
+    const agents::AgentSpec& agent = experiment_.agent(key.agent);
+    Row row{{"condition", condition.name}};
+    row.update(swept_);  // a parameter that this condition does not have stays null
+    row.update(Row(condition.parameters));
+    row["seed"] = experiment_.seed;
+    row["trial"] = key.trial;
+    row["agent"] = key.agent;
+    row["agent_type"] = agent.type;
+    row["privilege"] = agents::privilege_tier(agent.privilege()).name;
+    row["qos_unit"] = experiment::qos_unit(condition.kind);
+    return row;
+  }
+
+ private:
+  const experiment::Experiment& experiment_;
+  Row swept_ = Row::object();  // every parameter that some condition sweeps
+};
 
 Row exported(const flight::Metric& metric, const std::optional<double>& value) {
   if (!value) return nullptr;
@@ -63,8 +82,9 @@ Row exported(const flight::Metric& metric, const std::optional<double>& value) {
 }
 
 void export_flights(const store::ResultStore& results, RowWriter& rows) {
+  const KeyColumns keys(results.experiment());
   for (const store::FlightSummary& flight : results.flights()) {
-    Row row = key_row(results.experiment(), flight.key);
+    Row row = keys.row(flight.key);
     for (std::size_t i = 0; i < flight::metrics().size(); ++i)
       row[std::string(flight::metrics()[i].key)] = exported(flight::metrics()[i], flight.metrics[i]);
     row["digest"] = flight.digest;
@@ -96,8 +116,9 @@ Row step_row(Row row, const flight::FlightRecord& record, std::size_t index, con
 }
 
 void export_steps(const store::ResultStore& results, RowWriter& rows) {
+  const KeyColumns keys(results.experiment());
   for (const store::FlightSummary& flight : results.flights()) {
-    const Row key = key_row(results.experiment(), flight.key);
+    const Row key = keys.row(flight.key);
     const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
     const auto& experiment = results.experiment();
     const flight::Costs costs = experiment.costs_in(experiment.conditions.at(flight.key.condition));

@@ -168,8 +168,8 @@ TEST_CASE("the examples of the help run as they stand", "[help]") {
     REQUIRE(run.exit_code == 0);
   }
   // In this order. The examples left out need an unfinished run, missing data, or an hour.
-  for (const char* command : {"help", "validate", "agents", "inspect world", "inspect table", "export", "digest",
-                              "compare", "keys init", "keys issue"}) {
+  for (const char* command : {"help", "validate", "agents", "inspect world", "inspect table", "inspect link", "export",
+                              "digest", "compare", "keys init", "keys issue"}) {
     const std::vector<std::string> examples = page_of(command, 80).examples;
     CHECK_FALSE(examples.empty());
     for (const std::string& example : examples) {

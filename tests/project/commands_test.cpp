@@ -66,9 +66,19 @@ bool has_flag(const std::string& command, const std::string& flag) {
 
 /// All programs and subcommands with a --help.
 std::vector<std::string> all_commands() {
-  std::vector<std::string> all{"aloft",         "aloft keys init",       "aloft keys issue",     "aloft-environment",
-                               "aloft-channel", "aloft-learning-agent",  "aloft-baseline-agent", "aloft-coordinator",
-                               "aloft-metrics", "aloft-discovery-server"};
+  std::vector<std::string> all{"aloft",
+                               "aloft inspect world",
+                               "aloft inspect table",
+                               "aloft inspect link",
+                               "aloft keys init",
+                               "aloft keys issue",
+                               "aloft-environment",
+                               "aloft-channel",
+                               "aloft-learning-agent",
+                               "aloft-baseline-agent",
+                               "aloft-coordinator",
+                               "aloft-metrics",
+                               "aloft-discovery-server"};
   for (const std::string& name : subcommands()) all.push_back("aloft " + name);
   return all;
 }

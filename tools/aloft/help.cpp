@@ -88,6 +88,8 @@ const CommandExamples all_examples[] = {
     {"inspect table",
      {{"all qualities of one trial", "aloft inspect table quick --condition 0 --trial 3 --format csv"},
       {"how the value at step 40 and 120 m came about", "aloft inspect table quick --explain 40,120"}}},
+    {"inspect link",
+     {{"3GPP's urban macro cell, 1 km away", "aloft inspect link --model uma-av --height 60 --distance 1000"}}},
     {"status",
      {{"all runs in DDS domain 0 of this machine", "aloft status"},
       {"one run, until Ctrl-C", "aloft status --run lab --watch"},

@@ -112,7 +112,8 @@ std::shared_ptr<InspectOptions> add_options(CLI::App& command) {
 }  // namespace
 
 void add_inspect(CLI::App& app, Job& job) {
-  auto* command = app.add_subcommand("inspect", "Look into one trial: its world, or its table of qualities");
+  auto* command =
+      app.add_subcommand("inspect", "Look into one trial, its world or its table of qualities, or at one radio link");
   command->require_subcommand(1);
   auto* world = command->add_subcommand("world", "Base stations, building heights and the route");
   auto world_options = add_options(*world);
@@ -126,6 +127,7 @@ void add_inspect(CLI::App& app, Job& job) {
     if (table->count("--format") == 0 && table->count("--explain") > 0) table_options->format = "text";
     job = [table_options] { return inspect_table(*table_options); };
   });
+  add_inspect_link(*command, job);
 }
 
 }  // namespace aloft::cli

@@ -1,0 +1,102 @@
+#include "common/radio/aerial_link.hpp"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace aloft::radio;
+
+namespace {
+
+constexpr AerialScenario uma = AerialScenario::uma;
+constexpr AerialScenario umi = AerialScenario::umi;
+constexpr AerialScenario rma = AerialScenario::rma;
+
+/// Values computed by other programs from the tables of TR 36.777 and TR 38.901 (docs/fidelity.md names them).
+struct Point {
+  AerialScenario scenario;
+  double height_m;
+  double distance_m;
+  double p_los;
+  double path_loss_los_db;
+  double path_loss_nlos_db;
+  double shadow_los_db;
+  double shadow_nlos_db;
+};
+
+constexpr std::array points{
+    Point{uma, 1.5, 200, 0.128048, 84.7088, 109.6012, 4, 6},
+    Point{uma, 22.5, 300, 0.355784, 88.5176, 103.7671, 4, 6},
+    Point{uma, 30, 500, 0.828456, 93.3984, 117.2088, 3.8065, 6},
+    Point{uma, 100, 2000, 0.696724, 106.6500, 126.6051, 2.3982, 6},
+    Point{uma, 120, 2000, 1, 106.6540, 124.7811, 2.1016, 6},
+    Point{umi, 10, 100, 0.230985, 80.4206, 96.8619, 4, 7.82},
+    Point{umi, 25, 200, 0.582853, 86.5364, 113.4178, 3.8940, 8},
+    Point{umi, 50, 500, 0.378936, 94.7096, 120.2085, 3.0327, 8},
+    Point{umi, 300, 3000, 0.103537, 110.0224, 123.2208, 2, 8},
+    Point{rma, 10, 1000, 0.371577, 100.5963, 116.8163, 4, 8},
+    Point{rma, 20, 2000, 0.597675, 109.6267, 119.2366, 3.8308, 6},
+    Point{rma, 60, 8000, 1, 119.2538, 126.2871, 3.1870, 6},
+};
+
+}  // namespace
+
+TEST_CASE("TR 36.777: probability, path loss and shadowing at 2 GHz") {
+  for (const Point& point : points) {
+    const AerialLink link{point.scenario, 2.0, point.distance_m, point.height_m};
+    INFO(static_cast<int>(point.scenario) << ": height " << point.height_m << " m, distance " << point.distance_m);
+    CHECK(line_of_sight_probability(link) == Approx(point.p_los).margin(1e-6));
+    CHECK(path_loss_db(link, true) == Approx(point.path_loss_los_db).margin(1e-4));
+    CHECK(path_loss_db(link, false) == Approx(point.path_loss_nlos_db).margin(1e-4));
+    CHECK(shadowing_deviation_db(link, true) == Approx(point.shadow_los_db).margin(1e-4));
+    CHECK(shadowing_deviation_db(link, false) == Approx(point.shadow_nlos_db).margin(1e-4));
+  }
+}
+
+TEST_CASE("TR 38.901 beyond the breakpoint") {
+  const AerialLink urban{uma, 2.0, 2000.0, 1.5};
+  CHECK(path_loss_db(urban, true) == Approx(120.9493).margin(1e-4));
+  CHECK(path_loss_db(urban, false) == Approx(148.5660).margin(1e-4));
+  const AerialLink rural{rma, 0.7, 5000.0, 1.5};
+  CHECK(path_loss_db(rural, true) == Approx(121.3311).margin(1e-4));
+  CHECK(shadowing_deviation_db(rural, true) == 6.0);
+}
+
+TEST_CASE("the probability of line of sight at 1 km over heights") {
+  constexpr std::array heights_m{10.0, 22.5, 22.51, 40.0, 60.0, 100.0, 100.01, 200.0, 300.0};
+  constexpr std::array urban_macro{.018, .045, .616, .734, .798, .853, 1., 1., 1.};
+  constexpr std::array urban_micro{.018, .018, .059, .104, .172, .254, .254, .361, .421};
+  constexpr std::array rural_macro{.372, .838, .838, .949, 1., 1., 1., 1., 1.};
+  for (std::size_t i = 0; i < heights_m.size(); ++i) {
+    INFO(heights_m.at(i) << " m");
+    CHECK(line_of_sight_probability({uma, 2.0, 1000.0, heights_m.at(i)}) == Approx(urban_macro.at(i)).margin(5.1e-4));
+    CHECK(line_of_sight_probability({umi, 2.0, 1000.0, heights_m.at(i)}) == Approx(urban_micro.at(i)).margin(5.1e-4));
+    CHECK(line_of_sight_probability({rma, 2.0, 1000.0, heights_m.at(i)}) == Approx(rural_macro.at(i)).margin(5.1e-4));
+  }
+}
+
+TEST_CASE("a probability is one: never above 1, and 1 below the base station") {
+  for (const AerialScenario scenario : {uma, umi, rma})
+    for (double height_m = aerial_height_min_m; height_m <= aerial_height_max_m; height_m += 0.5) {
+      CHECK(line_of_sight_probability({scenario, 2.0, 0.0, height_m}) == 1.0);
+      for (double distance_m = 1.0; distance_m < 20'000.0; distance_m *= 1.3) {
+        const double probability = line_of_sight_probability({scenario, 2.0, distance_m, height_m});
+        CHECK((probability >= 0.0 && probability <= 1.0));
+      }
+    }
+}
+
+TEST_CASE("path loss is finite and grows with the distance") {
+  for (const AerialScenario scenario : {uma, umi, rma})
+    for (const bool line_of_sight : {true, false})
+      for (const double height_m : {1.5, 10.0, 22.5, 25.0, 35.0, 100.0, 300.0}) {
+        double before_db = 0.0;
+        for (double distance_m = 0.0; distance_m < 4000.0; distance_m += 50.0) {
+          const double now_db = path_loss_db({scenario, 2.0, distance_m, height_m}, line_of_sight);
+          INFO("height " << height_m << " m, distance " << distance_m << " m");
+          CHECK(std::isfinite(now_db));
+          CHECK(now_db >= before_db - 1e-9);
+          before_db = now_db;
+        }
+      }
+}

@@ -88,10 +88,10 @@ AgentType follower(const char* name, const char* description, Column which, Look
 
 const bool present_column_registered =
     register_agent(follower("present-column", "Knows the last report's place at every height: a reference.",
-                            Column::present, {"present-column", 52, "#7a6a00", "#d3c35a", {2, 2}}));
+                            Column::present, {"present-column", 52, "#7b6b00", "#b7bf55", {8, 2, 2, 2, 2, 2}}));
 const bool next_column_registered =
     register_agent(follower("next-column", "Knows the next report's place at every height: a reference.", Column::next,
-                            {"next-column", 54, "#00706b", "#5fc4bd", {2, 2}}));
+                            {"next-column", 54, "#005250", "#68d3c8", {6, 2}}));
 
 }  // namespace
 }  // namespace aloft::agents

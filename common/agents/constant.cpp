@@ -27,9 +27,9 @@ const bool constant_registered = register_agent(
     {.name = "constant",
      .description = "Climbs or descends to one height and stays there.",
      .rank = 30,
-     .looks = {{"constant-60", 10, "#8a7d00", "#d6c84a", {2, 2}},
-               {"constant-120", 20, "#882255", "#d9739f", {6, 3}},
-               {"constant-240", 30, "#6f4fa8", "#b39ddb", {8, 2, 2, 2}}},
+     .looks = {{"constant-60", 10, "#8e9642", "#e9e568", {3, 2}},
+               {"constant-120", 20, "#8e1b4b", "#b34c77", {8, 2, 2, 2, 2, 2}},
+               {"constant-240", 30, "#805db7", "#af88d9", {3, 2}}},
      .name_parameter = "height_m",
      .parameters = {number_parameter("height_m", 120, 0, 10'000, "The height; cut to the world's limits.")},
      .make = [](const Parameters& parameters) { return std::make_unique<Constant>(parameters); }});

@@ -219,7 +219,7 @@ namespace {
     .name = "dqn",
     .description = "The paper's deep Q-network, learning while it flies.",
     .learns = true,
-    .looks = {{"dqn", 100, "#d5500a", "#ff8a3d", {1, 0}}},
+    .looks = {{"dqn", 100, "#d04500", "#ff770d", {1, 0}}},
     .parameters = {dqn_parameters().begin(), dqn_parameters().end()},
     .make = [](const Parameters& parameters) { return std::make_unique<Dqn>(parameters); },
     .lineages =

@@ -179,7 +179,7 @@ const bool height_filter_registered = register_agent(
     {.name = "height-filter",
      .description = "Learns the quality of every height with a Kalman filter and plans a few steps ahead.",
      .learns = true,
-     .looks = {{"height-filter", default_rank, "#117733", "#66c285", {3, 2}}},
+     .looks = {{"height-filter", default_rank, "#006e0d", "#48a068", {8, 2, 2, 2}}},
      .parameters = height_filter_parameters(),
      .make = [](const Parameters& parameters) { return std::make_unique<HeightFilter>(parameters); }});
 

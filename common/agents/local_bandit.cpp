@@ -122,7 +122,7 @@ const bool local_bandit_registered =
     register_agent({.name = "local-bandit",
                     .description = "Learns an average per height and explores the neighbouring heights; no network.",
                     .learns = true,
-                    .looks = {{"local-bandit", 80, "#d18f00", "#f2b632", {1, 0}}},
+                    .looks = {{"local-bandit", 80, "#d28100", "#ffb200", {2, 4}}},
                     .parameters = bandit_parameters(),
                     .make = [](const Parameters& parameters) { return std::make_unique<LocalBandit>(parameters); }});
 

@@ -15,7 +15,7 @@ class MinHeight final : public SteeringAgent {
 const bool min_height_registered =
     register_agent({.name = "min-height",
                     .description = "Flies at the lowest allowed height.",
-                    .looks = {{"min-height", 0, "#2a9fd0", "#56b4e9", {1, 0}}},
+                    .looks = {{"min-height", 0, "#139fce", "#0fbdff", {1, 0}}},
                     .make = [](const Parameters& p) { return std::make_unique<MinHeight>(p); }});
 
 }  // namespace

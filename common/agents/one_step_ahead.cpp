@@ -36,7 +36,7 @@ const bool one_step_ahead_registered = register_agent(
     {.name = "one-step-ahead",
      .description = "Knows the next step at every height and moves one step towards the best of them.",
      .privilege = Privilege::next_step,
-     .looks = {{"one-step-ahead", 50, "#0058a3", "#6f9fe8", {5, 2}}},
+     .looks = {{"one-step-ahead", 50, "#0066bd", "#5993fb", {2, 4}}},
      .parameters = {number_parameter("target_resolution_m", 0, 0, 1'000,
                                      "Distance of the heights it chooses its target from; 0: every height known.")},
      .make = [](const Parameters& parameters) { return std::make_unique<OneStepAhead>(parameters); }});

@@ -33,7 +33,7 @@ const bool optimal_height_registered =
                     .description = "Jumps to the best of all heights in every step: the unconstrained reference.",
                     .privilege = Privilege::next_step,
                     .unconstrained = true,
-                    .looks = {{"optimal-height", 60, "#00805c", "#22c08f", {1, 0}}},
+                    .looks = {{"optimal-height", 60, "#00935d", "#00ca7d", {14, 2, 4, 2}}},
                     .make = [](const Parameters& parameters) { return std::make_unique<OptimalHeight>(parameters); }});
 
 }  // namespace

@@ -60,7 +60,7 @@ const bool planner_registered =
     register_agent({.name = "planner",
                     .description = "Knows the whole route and flies the best flight that is feasible: the upper bound.",
                     .privilege = Privilege::whole_route,
-                    .looks = {{"planner", 70, "#c05f94", "#eaa3c6", {4, 2}}},
+                    .looks = {{"planner", 70, "#d673a9", "#ffb1e9", {8, 2, 2, 2}}},
                     .parameters = {smoothing()},
                     .make = [](const Parameters& parameters) { return std::make_unique<Planner>(parameters); }});
 

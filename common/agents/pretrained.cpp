@@ -185,7 +185,7 @@ const bool pretrained_registered = register_agent(
      .description = "Flies by a network trained beforehand on generated worlds, frozen in flight.",
      .trained_beforehand = true,
      .host = Host::learning_agent,
-     .looks = {{"pretrained", default_rank, "#aa3377", "#e07ab0", {6, 2}}},
+     .looks = {{"pretrained", default_rank, "#ba3c87", "#db6d9c", {12, 4}}},
      .file_parameter = "model",
      .parameters = {text_parameter("model", "", "Model file of 'aloft train pretrained'; empty: the built-in model."),
                     text_parameter("model_sha256", "",

@@ -38,7 +38,7 @@ class RandomWalk final : public SteeringAgent {
 const bool random_walk_registered =
     register_agent({.name = "random-walk",
                     .description = "Goes down, holds or goes up with equal probability.",
-                    .looks = {{"random-walk", 40, "#7a7a7a", "#a6a6a6", {2, 3}}},
+                    .looks = {{"random-walk", 40, "#89868e", "#abaaab", {2, 4}}},
                     .make = [](const Parameters& parameters) { return std::make_unique<RandomWalk>(parameters); }});
 
 }  // namespace

@@ -144,7 +144,7 @@ const bool site_filter_registered = register_agent(
      .privilege = Privilege::site_map,
      .learns = true,
      .host = Host::baseline_agent,  // whose role alone reads the site map in secured runs
-     .looks = {{"site-filter", 76, "#7d4a24", "#c8935f", {5, 2}}},
+     .looks = {{"site-filter", 76, "#683c00", "#ba8b48", {12, 4}}},
      .parameters = site_filter_parameters(),
      .make = [](const Parameters& parameters) { return std::make_unique<SiteFilter>(parameters); }});
 

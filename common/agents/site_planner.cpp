@@ -215,7 +215,7 @@ const bool site_planner_registered = register_agent(
     {.name = "site-planner",
      .description = "Knows the base stations and the route, and flies the best flight through what is to be expected.",
      .privilege = Privilege::site_map,
-     .looks = {{"site-planner", 75, "#5d4db8", "#a99bf0", {1, 0}}},
+     .looks = {{"site-planner", 75, "#5335aa", "#b6b6ff", {14, 2, 4, 2}}},
      .parameters = site_planner_parameters(),
      .make = [](const Parameters& parameters) { return std::make_unique<SitePlanner>("site-planner", parameters); }});
 

@@ -38,7 +38,7 @@ test('box plots of agents that see the future are hollow, of those with the site
     const boxes = /role-mark layer_1_marks.*?<\/g>/s.exec(text)[0];
     const fills = [...boxes.matchAll(/fill="([^"]*)"/g)].map(([, fill]) => fill).filter((fill) => fill !== 'none');
     assert.equal(fills.filter((fill) => fill === '#ffffff').length, 3, `${file}: ${fills}`);
-    assert.equal(fills.filter((fill) => fill === '#aea6dc').length, 1, `${file}: ${fills}`); // half of #5d4db8
+    assert.equal(fills.filter((fill) => fill === '#a99ad5').length, 1, `${file}: ${fills}`); // half of #5335aa
   }
 });
 

@@ -3,19 +3,67 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/base/digest.hpp"
+
 namespace aloft::report {
 namespace {
 
 using agents::Look;
 
-/// Looks for agents that register none, e.g. programs of the user's.
-std::vector<Look> palette() {
-  return {{"", 0, "#117733", "#66c285", {3, 2}}, {"", 0, "#aa3377", "#e07ab0", {6, 2}},
-          {"", 0, "#4477aa", "#88b4dd", {3, 1}}, {"", 0, "#997700", "#d9b84a", {5, 3}},
-          {"", 0, "#444444", "#d0d0d0", {7, 2}}, {"", 0, "#994455", "#e08a99", {2, 1}}};
+/// Looks for agents that register none. With the registered ones they make 24 that can be told apart.
+const std::vector<Look>& spare_looks() {
+  static const std::vector<Look> looks{
+      {"", 0, "#8088ff", "#748aae", {6, 2}},       {"", 0, "#007479", "#5affff", {1, 0}},
+      {"", 0, "#930092", "#ff69e0", {8, 2, 2, 2}}, {"", 0, "#8a5754", "#ffa496", {3, 2}},
+      {"", 0, "#003680", "#316eca", {12, 4}},      {"", 0, "#590051", "#a551bd", {2, 4}},
+      {"", 0, "#600000", "#c85124", {6, 2}},       {"", 0, "#0e0600", "#83622a", {14, 2, 4, 2}}};
+  return looks;
 }
 
+/// Gives looks to agents without one, each look once before any is given twice: first the spare ones, then those of
+/// registered agents that are not here.
+class FreeLooks {
+ public:
+  explicit FreeLooks(const std::vector<const Look*>& taken) : all_(palette()) {
+    for (const Look& look : all_)
+      free_.push_back(std::ranges::none_of(taken, [&](const Look* other) { return other->light == look.light; }));
+  }
+
+  /// A name has a place of its own among the looks, and gets the next free one if another agent has that.
+  Look take(std::string_view name) {
+    const std::size_t spare = spare_looks().size();
+    for (const std::size_t count : {spare, all_.size()}) {
+      const std::size_t from = all_.size() - count;
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t at = from + (sha256_id(name) + i) % count;
+        if (!free_[at]) continue;
+        free_[at] = false;
+        Look look = all_[at];
+        if (rounds_ > 0) look.dash = {rounds_, rounds_};
+        return look;
+      }
+    }
+    free_.assign(all_.size(), true);
+    ++rounds_;
+    return take(name);
+  }
+
+ private:
+  std::vector<Look> all_;
+  std::vector<bool> free_;
+  int rounds_ = 0;  ///< how often every look has been given; lines of the same colour get other dashes
+};
+
 }  // namespace
+
+std::vector<Look> palette() {
+  std::vector<Look> looks;
+  for (const agents::AgentType& type : agents::agent_types())
+    looks.insert(looks.end(), type.looks.begin(), type.looks.end());
+  std::ranges::stable_sort(looks, {}, &Look::rank);
+  looks.insert(looks.end(), spare_looks().begin(), spare_looks().end());
+  return looks;
+}
 
 std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> conditions) {
   std::vector<const AgentTrials*> agents;
@@ -29,17 +77,16 @@ std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> condi
 
 nlohmann::json agent_list(std::span<const ConditionTrials> conditions) {
   const std::vector<const AgentTrials*> agents = agents_of(conditions);
-  std::vector<Look> spare = palette();
+  std::vector<const Look*> registered;
   for (const AgentTrials* agent : agents)
     if (const Look* own = agents::agent_type(agent->type).look_of(agent->name); own != nullptr)
-      std::erase_if(spare, [&](const Look& look) { return look.light == own->light; });
-  if (spare.empty()) spare = palette();
+      registered.push_back(own);
+  FreeLooks free(registered);
   nlohmann::json list = nlohmann::json::array();
-  std::size_t strangers = 0;
   for (const AgentTrials* agent : agents) {
     const agents::AgentType& type = agents::agent_type(agent->type);
     const Look* own = type.look_of(agent->name);
-    const Look& look = own != nullptr ? *own : spare[strangers++ % spare.size()];
+    const Look look = own != nullptr ? *own : free.take(agent->name);
     list.push_back({{"name", agent->name},
                     {"type", agent->type},
                     {"learns", type.is_learner()},

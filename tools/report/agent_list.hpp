@@ -11,8 +11,12 @@ namespace aloft::report {
 /// Every agent of these conditions once, in the order of display.
 [[nodiscard]] std::vector<const AgentTrials*> agents_of(std::span<const ConditionTrials> conditions);
 
+/// All looks in their fixed order: those of registered agents, by rank, then the spare ones; 24 without plugins.
+[[nodiscard]] std::vector<agents::Look> palette();
+
 /// The agents as the page needs them: [{"name", "type", "learns", "privilege", "colour": {"light", "dark"}, "dash"}].
-/// Agents without a look get the next free one of a palette, whose looks repeat once all are taken.
+/// An agent without a look gets one of the palette that no registered agent has, by its name: the same in every report,
+/// unless another agent of this one has it. With more agents than looks colours repeat, with other dashes.
 [[nodiscard]] nlohmann::json agent_list(std::span<const ConditionTrials> conditions);
 
 }  // namespace aloft::report

@@ -1,9 +1,14 @@
 #include "common/radio/aerial_link.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numbers>
 
+#include "common/base/widest_vectors.hpp"
+#include "common/radio/aerial_formulas.hpp"
 #include "common/radio/approximations.hpp"
 
 namespace aloft::radio {
@@ -15,15 +20,8 @@ constexpr double rural_building_height_m = 5.0;
 constexpr double rural_street_width_m = 20.0;
 constexpr double urban_height_offset_m = 1.5;  // height of a user on the street
 
-/// Elementary functions with the same bits on every machine.
-double log10(double x) {
-  return natural_log(x) / std::numbers::ln10;
-}
-double exp(double x) {
-  return x < -700.0 ? 0.0 : exp2(x / std::numbers::ln2);
-}
 double power(double base, double exponent) {
-  return exp(exponent * natural_log(base));
+  return exp_of(exponent * natural_log(base));
 }
 
 bool is_aerial(const AerialLink& link) {
@@ -35,29 +33,17 @@ double slant_distance_m(const AerialLink& link) {
   return std::max(std::sqrt(link.distance_m * link.distance_m + rise_m * rise_m), 1.0);
 }
 
-/// d1/d + exp(-d/p1) (1 - d1/d), and 1 up to d1: the form that all scenarios share but the rural one near the ground.
-double falling_probability(double distance_m, double d1_m, double p1_m) {
-  if (distance_m <= d1_m) return 1.0;
-  const double near = d1_m / distance_m;
-  return near + exp(-distance_m / p1_m) * (1.0 - near);
-}
-
 double aerial_probability(const AerialLink& link) {
-  const double log_height = log10(link.height_m);
+  if (link.height_m > facts(link.scenario).certain_above_m) return 1.0;
   switch (link.scenario) {
     case AerialScenario::uma:
-      if (link.height_m > 100.0) return 1.0;
-      return falling_probability(link.distance_m, std::max(460.0 * log_height - 700.0, 18.0),
-                                 4300.0 * log_height - 3800.0);
+      return aerial_los_probability<AerialScenario::uma>(link.distance_m, link.height_m);
     case AerialScenario::umi:
-      return falling_probability(link.distance_m, std::max(294.05 * log_height - 432.94, 18.0),
-                                 233.98 * log_height - 0.95);
+      return aerial_los_probability<AerialScenario::umi>(link.distance_m, link.height_m);
     case AerialScenario::rma:
       break;
   }
-  if (link.height_m > 40.0) return 1.0;
-  return falling_probability(link.distance_m, std::max(1350.8 * log_height - 1602.0, 18.0),
-                             std::max(15021.0 * log_height - 16053.0, 1000.0));
+  return aerial_los_probability<AerialScenario::rma>(link.distance_m, link.height_m);
 }
 
 double terrestrial_probability(const AerialLink& link) {
@@ -68,50 +54,35 @@ double terrestrial_probability(const AerialLink& link) {
       const double tall = link.height_m <= 13.0 ? 0.0 : power((link.height_m - 13.0) / 10.0, 1.5);
       const double hundreds = distance_m / 100.0;
       return falling_probability(distance_m, 18.0, 63.0) *
-             (1.0 + tall * 1.25 * hundreds * hundreds * hundreds * exp(-distance_m / 150.0));
+             (1.0 + tall * 1.25 * hundreds * hundreds * hundreds * exp_of(-distance_m / 150.0));
     }
     case AerialScenario::umi:
       return falling_probability(distance_m, 18.0, 36.0);
     case AerialScenario::rma:
       break;
   }
-  return distance_m <= 10.0 ? 1.0 : exp(-(distance_m - 10.0) / 1000.0);
+  return distance_m <= 10.0 ? 1.0 : exp_of(-(distance_m - 10.0) / 1000.0);
 }
 
-/// 20 log(40 pi fc / 3), the path loss of free space at 1 m as the rural formulas write it.
-double free_space_at_1_m_db(const AerialLink& link) {
-  return 20.0 * log10(40.0 * std::numbers::pi * link.carrier_ghz / 3.0);
-}
-
-double aerial_los_db(const AerialLink& link) {
-  const double log_distance = log10(slant_distance_m(link));
+template <AerialScenario scenario>
+double aerial_db(const AerialLink& link, bool line_of_sight) {
+  const double log_slant = log10(slant_distance_m(link));
   const double log_height = log10(link.height_m);
-  const double carrier_db = 20.0 * log10(link.carrier_ghz);
+  const CarrierLoss carrier = carrier_loss(link.carrier_ghz);
+  return line_of_sight ? aerial_path_loss_db<scenario, true>(carrier, log_slant, log_height)
+                       : aerial_path_loss_db<scenario, false>(carrier, log_slant, log_height);
+}
+
+double aerial_db(const AerialLink& link, bool line_of_sight) {
   switch (link.scenario) {
     case AerialScenario::uma:
-      return 28.0 + 22.0 * log_distance + carrier_db;
+      return aerial_db<AerialScenario::uma>(link, line_of_sight);
     case AerialScenario::umi:
-      return std::max(32.44 + 20.0 * log_distance + carrier_db,
-                      30.9 + (22.25 - 0.5 * log_height) * log_distance + carrier_db);
+      return aerial_db<AerialScenario::umi>(link, line_of_sight);
     case AerialScenario::rma:
       break;
   }
-  return std::max(23.9 - 1.8 * log_height, 20.0) * log_distance + free_space_at_1_m_db(link);
-}
-
-double aerial_nlos_db(const AerialLink& link) {
-  const double log_distance = log10(slant_distance_m(link));
-  const double log_height = log10(link.height_m);
-  switch (link.scenario) {
-    case AerialScenario::uma:  // the table has no maximum with line of sight here
-      return -17.5 + (46.0 - 7.0 * log_height) * log_distance + free_space_at_1_m_db(link);
-    case AerialScenario::umi:
-      return std::max(aerial_los_db(link),
-                      32.4 + (43.2 - 7.6 * log_height) * log_distance + 20.0 * log10(link.carrier_ghz));
-    case AerialScenario::rma:
-      break;
-  }
-  return std::max(aerial_los_db(link), -12.0 + (35.0 - 5.3 * log_height) * log_distance + free_space_at_1_m_db(link));
+  return aerial_db<AerialScenario::rma>(link, line_of_sight);
 }
 
 /// Horizontal distance beyond which the terrestrial path loss with line of sight grows faster.
@@ -125,8 +96,8 @@ double breakpoint_m(const AerialLink& link) {
 double rural_before_breakpoint_db(const AerialLink& link, double slant_m) {
   const double h = rural_building_height_m;
   const double grown = power(h, 1.72);
-  return 20.0 * log10(slant_m) + free_space_at_1_m_db(link) + std::min(0.03 * grown, 10.0) * log10(slant_m) -
-         std::min(0.044 * grown, 14.77) + 0.002 * log10(h) * slant_m;
+  return 20.0 * log10(slant_m) + carrier_loss(link.carrier_ghz).free_space_at_1_m_db +
+         std::min(0.03 * grown, 10.0) * log10(slant_m) - std::min(0.044 * grown, 14.77) + 0.002 * log10(h) * slant_m;
 }
 
 double terrestrial_los_db(const AerialLink& link) {
@@ -174,43 +145,86 @@ double terrestrial_nlos_db(const AerialLink& link) {
   return std::max(terrestrial_los_db(link), behind_db);
 }
 
-}  // namespace
+/// The first of so many equal sections of a range of heights at whose end the probability reaches a level.
+constexpr std::size_t sections = 16;
 
-AerialScenarioFacts facts(AerialScenario scenario) {
-  switch (scenario) {
+template <AerialScenario scenario>
+[[gnu::always_inline]] inline void section_loop(double distance_m, double low_m, double section_m,
+                                                double* probability) {
+  for (std::size_t i = 0; i < sections; ++i)
+    probability[i] = aerial_los_probability<scenario>(distance_m, low_m + section_m * static_cast<double>(i + 1));
+}
+
+/// Where the probability, continuous and less than `level` at `low_m`, reaches it, at `high_m` at the latest.
+template <AerialScenario scenario>
+double first_reached_m(double distance_m, double low_m, double high_m, double level) {
+  std::array<double, sections> probability{};
+  while (high_m - low_m > lowest_height_tolerance_m) {
+    const double section_m = (high_m - low_m) / sections;
+    run_vectorised<section_loop<scenario>>(distance_m, low_m, section_m, probability.data());
+    std::size_t i = 0;
+    while (i + 1 < sections && probability.at(i) < level) ++i;
+    if (i + 1 < sections) high_m = low_m + section_m * static_cast<double>(i + 1);
+    low_m += section_m * static_cast<double>(i);
+  }
+  return high_m;
+}
+
+double first_reached_m(const AerialLink& link, double low_m, double high_m, double level) {
+  switch (link.scenario) {
     case AerialScenario::uma:
-      return {.base_station_height_m = 25.0, .aerial_above_m = 22.5, .carrier_max_ghz = 100.0, .distance_max_m = 4e3};
+      return first_reached_m<AerialScenario::uma>(link.distance_m, low_m, high_m, level);
     case AerialScenario::umi:
-      return {.base_station_height_m = 10.0, .aerial_above_m = 22.5, .carrier_max_ghz = 100.0, .distance_max_m = 4e3};
+      return first_reached_m<AerialScenario::umi>(link.distance_m, low_m, high_m, level);
     case AerialScenario::rma:
       break;
   }
-  return {.base_station_height_m = 35.0, .aerial_above_m = 10.0, .carrier_max_ghz = 30.0, .distance_max_m = 10e3};
+  return first_reached_m<AerialScenario::rma>(link.distance_m, low_m, high_m, level);
 }
+
+}  // namespace
 
 double line_of_sight_probability(const AerialLink& link) {
   return is_aerial(link) ? aerial_probability(link) : terrestrial_probability(link);
 }
 
+double lowest_height_m(const AerialLink& link, double level) {
+  const auto reached = [&](double height_m) {
+    return line_of_sight_probability({link.scenario, link.carrier_ghz, link.distance_m, height_m}) >= level;
+  };
+  // The probability is continuous up to each of these heights, and jumps above. Below the first, for the heights of
+  // base stations, it does not depend on the height.
+  const AerialScenarioFacts limits = facts(link.scenario);
+  double low_m = limits.base_station_height_m;
+  if (low_m <= limits.aerial_above_m) {
+    if (reached(low_m)) return low_m;
+    low_m = std::nextafter(limits.aerial_above_m, std::numeric_limits<double>::infinity());
+  }
+  if (reached(low_m)) return low_m;
+  if (reached(limits.certain_above_m)) return first_reached_m(link, low_m, limits.certain_above_m, level);
+  if (limits.certain_above_m == aerial_height_max_m) return std::numeric_limits<double>::infinity();
+  return std::nextafter(limits.certain_above_m, std::numeric_limits<double>::infinity());
+}
+
 double path_loss_db(const AerialLink& link, bool line_of_sight) {
-  if (is_aerial(link)) return line_of_sight ? aerial_los_db(link) : aerial_nlos_db(link);
+  if (is_aerial(link)) return aerial_db(link, line_of_sight);
   return line_of_sight ? terrestrial_los_db(link) : terrestrial_nlos_db(link);
 }
 
 double shadowing_deviation_db(const AerialLink& link, bool line_of_sight) {
-  const double h = link.height_m;
+  const bool aerial = is_aerial(link);
   switch (link.scenario) {
     case AerialScenario::uma:
       if (!line_of_sight) return 6.0;
-      return is_aerial(link) ? 4.64 * exp(-0.0066 * h) : 4.0;
+      return aerial ? aerial_shadowing_los_db<AerialScenario::uma>(link.height_m) : 4.0;
     case AerialScenario::umi:
-      if (!line_of_sight) return is_aerial(link) ? 8.0 : 7.82;
-      return is_aerial(link) ? std::max(5.0 * exp(-0.01 * h), 2.0) : 4.0;
+      if (!line_of_sight) return aerial ? 8.0 : 7.82;
+      return aerial ? aerial_shadowing_los_db<AerialScenario::umi>(link.height_m) : 4.0;
     case AerialScenario::rma:
       break;
   }
-  if (!line_of_sight) return is_aerial(link) ? 6.0 : 8.0;
-  if (is_aerial(link)) return 4.2 * exp(-0.0046 * h);
+  if (!line_of_sight) return aerial ? 6.0 : 8.0;
+  if (aerial) return aerial_shadowing_los_db<AerialScenario::rma>(link.height_m);
   return link.distance_m <= breakpoint_m(link) ? 4.0 : 6.0;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 using namespace aloft::radio;
 
@@ -99,4 +100,24 @@ TEST_CASE("path loss is finite and grows with the distance") {
           before_db = now_db;
         }
       }
+}
+
+TEST_CASE("climbing never loses line of sight: the probability grows with the height, and its inverse fits") {
+  for (const AerialScenario scenario : {uma, umi, rma})
+    for (double distance_m = 0.0; distance_m <= 4000.0; distance_m += 125.0) {
+      double before = 0.0;
+      for (double height_m = facts(scenario).base_station_height_m; height_m <= 300.0; height_m += 0.5) {
+        const AerialLink link{scenario, 2.0, distance_m, height_m};
+        const double probability = line_of_sight_probability(link);
+        INFO("height " << height_m << " m, distance " << distance_m << " m");
+        CHECK(probability >= before);
+        // Exactly this probability is reached here; a little more only above, if at all.
+        CHECK(lowest_height_m(link, probability) <= height_m + 1e-6);
+        if (probability < 1.0) CHECK(lowest_height_m(link, probability + 1e-6) > height_m);
+        before = probability;
+      }
+    }
+  CHECK(lowest_height_m({uma, 2.0, 2000.0, 0.0}, 0.9) == std::nextafter(100.0, 101.0));
+  CHECK(lowest_height_m({umi, 2.0, 2000.0, 0.0}, 0.9) == std::numeric_limits<double>::infinity());
+  CHECK(lowest_height_m({rma, 2.0, 50.0, 0.0}, 0.5) == 35.0);
 }

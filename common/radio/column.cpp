@@ -96,7 +96,7 @@ bool ColumnBuilder::may_be_among_strongest(std::uint32_t k) {
   const double* weakest_w = ranked_power_w_.data() + std::size_t{ranks_ - 1} * width_;
   const auto may_be = [&](std::span<const double> among_w, bool line_of_sight) {
     if (among_w.empty()) return false;
-    const double gain_bound = scene_.link_model().gain_bound(Scene::link(around_, k), line_of_sight);
+    const double gain_bound = scene_.gain_bound(Scene::link(around_, k), line_of_sight);
     return any_at_most(among_w, power_bound_w(scene_.model(), gain_bound));
   };
   const std::uint32_t los = std::min(first_los(k), heights_);

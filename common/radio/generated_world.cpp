@@ -168,14 +168,17 @@ std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model
 Parameters resolve_generated_world(const Json& given, std::string_view where) {
   // Reports every error in what was given before the preset is merged into it.
   const Parameters checked(generated_world_parameters(), given, where);
-  const std::vector<ParameterSpec> table = generated_world_parameters(link_model_type(checked.text("propagation")));
-  Json merged = preset_defaults(checked.text("preset"), table);
+  const LinkModelType& model = link_model_type(checked.text("propagation"));
+  const std::vector<ParameterSpec> table = generated_world_parameters(model);
+  Json merged = model.defaults;
+  merged.update(preset_defaults(checked.text("preset"), table));
   merged.update(given);
   if (!merged.contains("route_offset_max_m"))
     merged["route_offset_max_m"] = std::min(1000.0, checked.number("height_step_m"));
   Parameters world(table, merged, where);
   check_heights(world, where);
   check_route_and_stations(world, where);
+  if (model.check) model.check(world, where);
   return world;
 }
 

@@ -16,6 +16,11 @@ template <BsAntenna antenna>
     gain_to_power_w[i] = received_power_w<antenna>(*model, distance_m, rise_m[i], gain_to_power_w[i]);
 }
 
+[[gnu::always_inline]] inline void shadow_loop(double deviations, const double* deviation_db, std::size_t size,
+                                               double* gain) {
+  for (std::size_t i = 0; i < size; ++i) gain[i] *= power_of_ten(-0.1 * (deviations * deviation_db[i]));
+}
+
 [[gnu::always_inline]] inline void limits_loop(const RadioModel* model, double distance_m, const double* rise_m,
                                                std::size_t size, double* nearest_m, double* farthest_m) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -112,6 +117,10 @@ void received_power_row(const RadioModel& model, double distance_m, std::span<co
     run_vectorised<power_loop<BsAntenna::array>>(&model, distance_m, rise_m.data(), rise_m.size(), gain_to_power_w);
   else
     run_vectorised<power_loop<BsAntenna::sector>>(&model, distance_m, rise_m.data(), rise_m.size(), gain_to_power_w);
+}
+
+void shadow_row(double deviations, std::span<const double> deviation_db, double* gain) {
+  run_vectorised<shadow_loop>(deviations, deviation_db.data(), deviation_db.size(), gain);
 }
 
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,

@@ -14,6 +14,9 @@ namespace aloft::radio {
 void received_power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m,
                         double* gain_to_power_w);
 
+/// Multiplies each gain by that of shadowing which is `deviations` standard deviations above its mean loss.
+void shadow_row(double deviations, std::span<const double> deviation_db, double* gain);
+
 /// beam_limits() at every rise.
 void beam_limits_row(const RadioModel& model, double distance_m, std::span<const double> rise_m, double* nearest_m,
                      double* farthest_m);

@@ -71,6 +71,7 @@ class Explainer {
     result.line_of_sight = height_ >= scene_.first_los(result.blocking_height_m);
     const double height_m = scene_.heights().height_m(height_);
     const double rise_m = scene_.rise_m(height_);
+    result.shadowing_db = scene_.shadowing_db(Scene::link(around_, k), result.line_of_sight, height_m);
     scene_.received_power_row(around_, k, std::span(&height_m, 1), std::span(&rise_m, 1), result.line_of_sight ? 0 : 1,
                               &result.received_power_w);
     return result;
@@ -125,7 +126,7 @@ Explanation explain(const Parameters& world, const world::City& city, std::uint6
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StationExplanation, station, distance_m, azimuth_deg, blocking_height_m,
-                                   line_of_sight, received_power_w)
+                                   line_of_sight, shadowing_db, received_power_w)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(InterfererExplanation, station, received_power_w, fading, interference_w)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CandidateExplanation, station, may_serve, received_power_w, fading, interferers,
                                    interference_w, sinr, sinr_db)
@@ -147,10 +148,11 @@ std::string to_text(const Explanation& explanation) {
   std::string text = fmt::format("Route point {} at x = {:g} m, y = {:g} m, height {:g} m\n\n", explanation.point,
                                  explanation.position.x_m, explanation.position.y_m, explanation.height_m);
   text += "Base stations (power before fading; no line of sight below the blocking height)\n";
-  text += "  station  distance_m  azimuth_deg  blocking_height_m  line of sight  power_w\n";
+  text += "  station  distance_m  azimuth_deg  blocking_height_m  line of sight  shadowing_db  power_w\n";
   for (const StationExplanation& s : explanation.stations)
-    text += fmt::format("  {:7}  {:10.1f}  {:11.1f}  {:17.1f}  {:13}  {:.4e}\n", s.station, s.distance_m, s.azimuth_deg,
-                        s.blocking_height_m, s.line_of_sight ? "yes" : "no", s.received_power_w);
+    text += fmt::format("  {:7}  {:10.1f}  {:11.1f}  {:17.1f}  {:13}  {:12.1f}  {:.4e}\n", s.station, s.distance_m,
+                        s.azimuth_deg, s.blocking_height_m, s.line_of_sight ? "yes" : "no", s.shadowing_db,
+                        s.received_power_w);
   for (const CandidateExplanation& c : explanation.candidates) {
     text += fmt::format("\n{} {}: {:.4e} W x fading {:.4f} = {:.4e} W\n", c.may_serve ? "Candidate" : "Neighbour",
                         c.station, c.received_power_w, c.fading, c.received_power_w * c.fading);

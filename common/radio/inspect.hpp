@@ -19,6 +19,7 @@ struct StationExplanation {
   double azimuth_deg = 0.0;        ///< seen from the UAV, counterclockwise from +x, in (-180, 180]
   double blocking_height_m = 0.0;  ///< no line of sight below this height
   bool line_of_sight = false;
+  double shadowing_db = 0.0;  ///< loss beyond the mean
   double received_power_w = 0.0;
 };
 

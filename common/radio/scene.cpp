@@ -29,7 +29,14 @@ HeightGrid height_grid(const Parameters& world) {
 }
 
 Scene::Scene(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial)
-    : Scene(world, city, seed, trial, height_grid(world), draw_azimuths(world, city, seed, trial)) {}
+    : Scene(world, city, seed, trial, height_grid(world), draw_azimuths(world, city, seed, trial)) {
+  for (const std::size_t los : {0U, 1U}) {
+    const Shadowing shadowing = link_model_->shadowing(los == 1);
+    if (shadowing.deviation_max_db > 0.0)
+      shadowing_.at(los).emplace(seed, trial, los == 1 ? "shadowing in line of sight" : "shadowing", stations(),
+                                 shadowing.correlation_distance_m);
+  }
+}
 
 Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial,
              const HeightGrid& heights, std::vector<double> sector_azimuths)
@@ -72,11 +79,43 @@ std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
   return index;
 }
 
+void Scene::shadow(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m, double* gain) const {
+  const auto& field = shadowing_.at(line_of_sight ? 1 : 0);
+  if (!field || height_m.empty()) return;
+  const double deviations = field->at(link.uav, link.station);
+  std::array<double, 256> deviation_db;
+  for (std::size_t first = 0; first < height_m.size(); first += deviation_db.size()) {
+    const auto part = height_m.subspan(first, std::min(deviation_db.size(), height_m.size() - first));
+    link_model_->shadowing_row(link, line_of_sight, part, deviation_db.data());
+    shadow_row(deviations, std::span(deviation_db).first(part.size()), gain + first);
+  }
+}
+
+double Scene::gain_bound(const LinkPlace& link, bool line_of_sight) const {
+  const double mean = link_model_->gain_bound(link, line_of_sight);
+  const auto& field = shadowing_.at(line_of_sight ? 1 : 0);
+  if (!field) return mean;
+  const double deviations = std::min(0.0, field->at(link.uav, link.station));
+  return mean * power_of_ten(-0.1 * deviations * link_model_->shadowing(line_of_sight).deviation_max_db);
+}
+
+double Scene::shadowing_db(const LinkPlace& link, bool line_of_sight, double height_m) const {
+  const auto& field = shadowing_.at(line_of_sight ? 1 : 0);
+  if (!field) return 0.0;
+  double deviation_db = 0.0;
+  link_model_->shadowing_row(link, line_of_sight, std::span(&height_m, 1), &deviation_db);
+  return field->at(link.uav, link.station) * deviation_db;
+}
+
 void Scene::received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
                                std::span<const double> rise_m, std::size_t first_los, double* power_w) const {
   const LinkPlace place = link(around, k);
-  if (first_los > 0) link_model_->mean_gain_row(place, false, height_m.first(first_los), power_w);
-  link_model_->mean_gain_row(place, true, height_m.subspan(first_los), power_w + first_los);
+  const auto gains = [&](bool line_of_sight, std::span<const double> part_m, double* gain) {
+    link_model_->mean_gain_row(place, line_of_sight, part_m, gain);
+    shadow(place, line_of_sight, part_m, gain);
+  };
+  if (first_los > 0) gains(false, height_m.first(first_los), power_w);
+  gains(true, height_m.subspan(first_los), power_w + first_los);
   radio::received_power_row(model_, place.distance_m, rise_m, power_w);
 }
 

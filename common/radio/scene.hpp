@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "common/radio/gaussian_fields.hpp"
 #include "common/radio/link_budget.hpp"
 #include "common/radio/models/link_model.hpp"
 #include "common/radio/radio_model.hpp"
@@ -27,6 +30,7 @@ class Scene {
   /// more base stations than limits::base_stations.
   Scene(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial);
   /// At other heights than the world's, with these azimuths of sector antennas, in half turns: azimuth / 180 degrees.
+  /// Without shadowing: for those who know no more of it than its mean.
   Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial, const HeightGrid& heights,
         std::vector<double> sector_azimuths);
   Scene(const Scene&) = delete;  // the channel model refers to the city in here
@@ -57,7 +61,14 @@ class Scene {
   }
   /// First index of heights() with line of sight, given the link's blocking height; their number if there is none.
   [[nodiscard]] std::uint32_t first_los(double blocking_height_m) const noexcept;
-  /// Mean power of base station k, W, with the UAV at ascending heights, line of sight from index `first_los` on.
+  /// Multiplies the mean gains of a link, all with or all without line of sight, by its shadowing.
+  void shadow(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m, double* gain) const;
+  /// Upper bound of the link's gain at all heights.
+  [[nodiscard]] double gain_bound(const LinkPlace& link, bool line_of_sight) const;
+  /// Loss of the link by shadowing, dB; negative where it is received better than on average.
+  [[nodiscard]] double shadowing_db(const LinkPlace& link, bool line_of_sight, double height_m) const;
+  /// Power of base station k, W, before fading, with the UAV at ascending heights, line of sight from index `first_los`
+  /// on.
   /// `rise_m`: the same heights above the base stations' antennas.
   void received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
                           std::span<const double> rise_m, std::size_t first_los, double* power_w) const;
@@ -78,6 +89,7 @@ class Scene {
   world::City city_;
   RadioModel model_;
   std::unique_ptr<const LinkModel> link_model_;
+  std::array<std::optional<GaussianFields>, 2> shadowing_;  // without and with line of sight
   HeightGrid heights_;
   std::vector<double> sector_azimuths_;
   std::vector<world::Position> sector_boresight_;  // unit vectors, per base station

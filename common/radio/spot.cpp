@@ -37,7 +37,9 @@ void SpotBuilder::compute_powers(world::Position position, std::uint32_t height)
   LinkPlace link{.uav = position};
   for (; link.station < scene_.stations(); ++link.station) {
     link.distance_m = rows_.distance_m[link.station];
-    if (height_m < model.blocking_height_m(link)) power_w_[link.station] = blocked_power_w_[link.station];
+    const bool line_of_sight = model.line_of_sight(link, height_m);
+    if (!line_of_sight) power_w_[link.station] = blocked_power_w_[link.station];
+    scene_.shadow(link, line_of_sight, std::span(&height_m, 1), &power_w_[link.station]);
   }
   received_powers(scene_.model(), rows_.distance_m, scene_.rise_m(height), power_w_.data());
 }

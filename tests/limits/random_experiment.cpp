@@ -69,11 +69,14 @@ class Draw {
   RandomStream random_;
 };
 
-/// Sets heights that mostly divide as they must.
-void put_heights(Draw& draw, bool small, Json& world) {
-  const double base_m = draw.between(1, 200);
-  const double step_m = draw.one_of<double>({0.1, 0.5, 1, 10, 100, 1000});
-  const int levels = draw.chance(0.1) ? 0 : draw.whole(1, std::min(small ? 30.0 : 5000.0, 9'000.0 / step_m));
+/// Sets heights that mostly divide as they must. A channel model that checks its worlds has base stations of one
+/// height, and holds for UAVs up to 300 m.
+void put_heights(Draw& draw, bool small, const radio::LinkModelType& model, Json& world) {
+  const bool limited = static_cast<bool>(model.check);
+  const double base_m = limited ? model.defaults.at("base_station_height_m") : draw.between(1, 200);
+  const double step_m = draw.one_of<double>({0.1, 0.5, 1, 10, 100, limited ? 50.0 : 1000.0});
+  const double range_m = limited ? 250.0 : 9'000.0;
+  const int levels = draw.chance(0.1) ? 0 : draw.whole(1, std::min(small ? 30.0 : 5000.0, range_m / step_m));
   const int parts = draw.one_of<int>({1, 1, 2, 5, 10});
   world["base_station_height_m"] = base_m;
   world["height_min_m"] = std::ceil(base_m) + draw.one_of<int>({0, 0, 10});
@@ -83,8 +86,8 @@ void put_heights(Draw& draw, bool small, Json& world) {
 }
 
 /// Sets a route that mostly ends within the city.
-void put_route(Draw& draw, bool small, Json& world) {
-  const double window_m = draw.between(100, small ? 3'000 : 10'000);
+void put_route(Draw& draw, bool small, const radio::LinkModelType& model, Json& world) {
+  const double window_m = draw.between(100, model.check ? 2'800 : small ? 3'000 : 10'000);  // links of at most 4 km
   const int steps = draw.whole(1, small ? 30 : 10'000);
   const double length_m = draw.between(0.1 * steps, std::max(0.1 * steps, 0.95 * window_m));
   world["window_m"] = window_m;
@@ -100,8 +103,9 @@ Json generated_world(Draw& draw, bool small) {
   Json world = draw.some_of(radio::generated_world_parameters(model), draw.one_of<double>({0.05, 0.3}));
   world["propagation"] = model.name;
   if (model.name == radio::default_link_model && draw.chance(0.5)) world.erase("propagation");
-  put_heights(draw, small, world);
-  put_route(draw, small, world);
+  put_heights(draw, small, model, world);
+  put_route(draw, small, model, world);
+  if (model.check) world["carrier_ghz"] = draw.between(0.7, 30);
   const double area_km2 = std::pow(world["window_m"].get<double>() / 1000.0, 2);
   const double most = small ? std::clamp(60.0 / area_km2, 0.1, 500.0) : 500.0;
   world["bs_density_per_km2"] = draw.between(std::clamp(10.0 / area_km2, 0.1, most), most);

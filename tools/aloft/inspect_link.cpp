@@ -90,8 +90,8 @@ LinkFacts of_generated_worlds(const LinkOptions& options, const radio::LinkModel
         model->mean_gain_row(link, line_of_sight, std::span(&options.height_m, 1), &gain);
         (line_of_sight ? facts.path_loss_los_db : facts.path_loss_nlos_db) =
             -10.0 * std::log10(gain * radio::near_field_gain(options.carrier_ghz * 1e9));
-        (line_of_sight ? facts.shadow_los_db : facts.shadow_nlos_db) =
-            model->shadowing(link, line_of_sight, options.height_m).deviation_db;
+        model->shadowing_row(link, line_of_sight, std::span(&options.height_m, 1),
+                             line_of_sight ? &facts.shadow_los_db : &facts.shadow_nlos_db);
       }
     }
   }
@@ -111,7 +111,6 @@ std::optional<radio::AerialScenario> scenario_of(const std::string& model) {
 std::vector<std::string> all_models() {
   std::vector<std::string> names;
   for (const radio::LinkModelType& type : radio::link_model_types()) names.push_back(type.name);
-  for (const auto& choice : radio::aerial_scenarios) names.emplace_back(choice.word);
   return names;
 }
 

@@ -17,14 +17,23 @@ std::vector<LinkModelType>& registered_models() {
 
 }  // namespace
 
+bool LinkModel::line_of_sight(const LinkPlace& link, double height_m) const {
+  return height_m >= blocking_height_m(link);
+}
+
 void LinkModel::mean_gains(world::Position uav, std::span<const double> distance_m, bool line_of_sight, double height_m,
                            double* gain) const {
   for (std::uint32_t k = 0; k < distance_m.size(); ++k)
     mean_gain_row({uav, k, distance_m[k]}, line_of_sight, std::span(&height_m, 1), gain + k);
 }
 
-Shadowing LinkModel::shadowing(const LinkPlace& /*link*/, bool /*line_of_sight*/, double /*height_m*/) const {
+Shadowing LinkModel::shadowing(bool /*line_of_sight*/) const {
   return {};
+}
+
+void LinkModel::shadowing_row(const LinkPlace& /*link*/, bool /*line_of_sight*/, std::span<const double> height_m,
+                              double* deviation_db) const {
+  std::fill_n(deviation_db, height_m.size(), 0.0);
 }
 
 bool register_link_model(LinkModelType type) {

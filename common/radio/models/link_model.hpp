@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,9 +22,10 @@ struct LinkPlace {
 };
 
 /// Shadowing (Gudmundson 1991): normally distributed in dB, mean 0, correlated over the ground as
-/// exp(-distance / correlation distance).
+/// exp(-distance / correlation distance), independent between base stations, and between links with and without line of
+/// sight.
 struct Shadowing {
-  double deviation_db = 0.0;
+  double deviation_max_db = 0.0;  ///< greatest standard deviation of all links; 0: there is no shadowing
   double correlation_distance_m = 0.0;
 };
 
@@ -36,6 +38,9 @@ class LinkModel {
 
   /// The lowest height of the UAV, m, with line of sight.
   [[nodiscard]] virtual double blocking_height_m(const LinkPlace& link) const = 0;
+
+  /// Whether height_m is at least blocking_height_m(). The default compares; a model can be faster.
+  [[nodiscard]] virtual bool line_of_sight(const LinkPlace& link, double height_m) const;
 
   /// gain[i] is the mean gain with the UAV at height_m[i]; line of sight is the same for the whole row. Elements do not
   /// depend on each other: each has the same bits as in a row of its own.
@@ -51,9 +56,13 @@ class LinkModel {
   /// Upper bound of the mean gain at all heights from that of the base stations upwards.
   [[nodiscard]] virtual double gain_bound(const LinkPlace& link, bool line_of_sight) const = 0;
 
-  /// Shadowing of this link with the UAV at this height. The default is none; the radio does not draw shadowing yet, so
-  /// the conformance kit refuses any other value.
-  [[nodiscard]] virtual Shadowing shadowing(const LinkPlace& link, bool line_of_sight, double height_m) const;
+  /// Shadowing of all links with or without line of sight, which the radio draws and multiplies with the mean gain. The
+  /// default is none.
+  [[nodiscard]] virtual Shadowing shadowing(bool line_of_sight) const;
+  /// deviation_db[i] is the standard deviation of shadowing with the UAV at height_m[i], at most that of shadowing().
+  /// Elements do not depend on each other. The default is 0.
+  virtual void shadowing_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
+                             double* deviation_db) const;
 };
 
 /// The model of worlds that name none.
@@ -65,6 +74,10 @@ struct LinkModelType {
   std::string description;  ///< one sentence
   /// Keys of generated worlds with this model, in addition to those of every generated world.
   std::vector<ParameterSpec> parameters{};
+  /// Other defaults of number parameters that every generated world has.
+  std::map<std::string, double> defaults{};
+  /// Throws InputError, naming `where` and a key, for a world that the model does not cover.
+  std::function<void(const Parameters& world, std::string_view where)> check{};
   /// Makes the model of one trial; the city outlives it.
   std::function<std::unique_ptr<LinkModel>(const Parameters& world, const world::City& city, std::uint64_t seed,
                                            std::uint32_t trial)>

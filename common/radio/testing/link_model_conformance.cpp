@@ -25,15 +25,17 @@ constexpr std::uint64_t seed = 7;
 struct Answers {
   double blocking_height_m = 0.0;
   std::array<std::vector<double>, 2> gain;
+  std::array<std::vector<double>, 2> deviation_db;
   std::array<double, 2> bound{};
 
   bool operator==(const Answers& other) const {
     const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
-    bool same = bits(blocking_height_m) == bits(other.blocking_height_m);
+    const auto same_bits = [&](double a, double b) { return bits(a) == bits(b); };
+    bool same = same_bits(blocking_height_m, other.blocking_height_m);
     for (const std::size_t los : {0U, 1U}) {
-      same = same && bits(bound.at(los)) == bits(other.bound.at(los));
-      same = same && std::equal(gain.at(los).begin(), gain.at(los).end(), other.gain.at(los).begin(),
-                                other.gain.at(los).end(), [&](double a, double b) { return bits(a) == bits(b); });
+      same = same && same_bits(bound.at(los), other.bound.at(los));
+      same = same && std::ranges::equal(gain.at(los), other.gain.at(los), same_bits);
+      same = same && std::ranges::equal(deviation_db.at(los), other.deviation_db.at(los), same_bits);
     }
     return same;
   }
@@ -85,6 +87,8 @@ class Kit {
     for (const std::size_t los : {0U, 1U}) {
       answers.gain.at(los).resize(height_m_.size());
       model.mean_gain_row(link, los == 1, height_m_, answers.gain.at(los).data());
+      answers.deviation_db.at(los).resize(height_m_.size());
+      model.shadowing_row(link, los == 1, height_m_, answers.deviation_db.at(los).data());
       answers.bound.at(los) = model.gain_bound(link, los == 1);
     }
     return answers;
@@ -93,7 +97,18 @@ class Kit {
   void check_values(const LinkModel& model, const LinkPlace& link, const Answers& answers,
                     std::vector<std::string>& problems) const {
     if (std::isnan(answers.blocking_height_m)) say(problems, link, "blocking_height_m() is not a number");
+    std::vector<double> compared_m = height_m_;
+    if (std::isfinite(answers.blocking_height_m))
+      for (const double away_m : {0.0, 1e-9, 1e-7, 1e-5, 1e-3})
+        for (const double sign : {-1.0, 1.0}) compared_m.push_back(answers.blocking_height_m + sign * away_m);
+    for (const double height_m : compared_m)
+      if (height_m >= city_.base_station_height_m &&
+          model.line_of_sight(link, height_m) != (height_m >= answers.blocking_height_m))
+        say(problems, link, fmt::format("line_of_sight() at {} m is not what blocking_height_m() says", height_m));
     for (const std::size_t los : {0U, 1U}) {
+      const Shadowing shadowing = model.shadowing(los == 1);
+      if (shadowing.deviation_max_db > 0.0 && !(shadowing.correlation_distance_m > 0.0))
+        say(problems, link, "shadowing() has no correlation distance");
       for (std::size_t i = 0; i < height_m_.size(); ++i) {
         const double gain = answers.gain.at(los)[i];
         if (!std::isfinite(gain) || gain <= 0.0)
@@ -103,8 +118,11 @@ class Kit {
           say(problems, link,
               fmt::format("the gain {} at {:g} m {} line of sight exceeds gain_bound() {}", gain, height_m_[i],
                           los == 1 ? "with" : "without", answers.bound.at(los)));
-        if (model.shadowing(link, los == 1, height_m_[i]).deviation_db != 0.0)
-          say(problems, link, "shadowing() has a standard deviation, but nothing draws shadowing yet");
+        const double deviation_db = answers.deviation_db.at(los)[i];
+        if (!(deviation_db >= 0.0 && deviation_db <= shadowing.deviation_max_db))
+          say(problems, link,
+              fmt::format("the standard deviation of shadowing at {:g} m is {} dB; shadowing() says 0 to {}",
+                          height_m_[i], deviation_db, shadowing.deviation_max_db));
       }
     }
   }
@@ -117,6 +135,12 @@ class Kit {
       for (const std::size_t size : {std::size_t{1}, std::size_t{5}})
         for (std::size_t i = 0; i + size <= height_m_.size(); i += size) {
           std::vector<double> part(size);
+          model.shadowing_row(link, los == 1, std::span(height_m_).subspan(i, size), part.data());
+          if (!std::equal(part.begin(), part.end(),
+                          answers.deviation_db.at(los).begin() + static_cast<std::ptrdiff_t>(i)))
+            say(problems, link,
+                fmt::format("shadowing_row() gives other bits at {:g} m in a row of {} than in a row of {}",
+                            height_m_[i], size, height_m_.size()));
           model.mean_gain_row(link, los == 1, std::span(height_m_).subspan(i, size), part.data());
           if (!std::equal(part.begin(), part.end(), answers.gain.at(los).begin() + static_cast<std::ptrdiff_t>(i)))
             say(problems, link,
@@ -171,7 +195,9 @@ std::vector<std::string> link_model_problems(const LinkModelType& type, const nl
   std::vector<std::string> problems;
   if (type.name.empty() || type.description.empty() || !type.description.ends_with('.'))
     problems.push_back(fmt::format("channel model '{}' needs a name, and a sentence that describes it", type.name));
-  const Parameters parameters(generated_world_parameters(type), world, "world");
+  nlohmann::json given = type.defaults;
+  given.update(world);
+  const Parameters parameters(generated_world_parameters(type), given, "world");
   for (std::uint32_t trial = 0; trial < 3; ++trial) Kit(type, parameters, trial).run(problems);
   return problems;
 }

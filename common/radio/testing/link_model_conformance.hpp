@@ -11,9 +11,9 @@ namespace aloft::radio {
 
 /// Checks every promise of a channel model: gains that are positive, finite and within their bound; rows with the bits
 /// of single elements, over heights and over base stations; the same answers in another object of the same trial and in
-/// another order; blocking heights that are numbers; no shadowing, because the radio does not draw it yet; a name and a
-/// description. `world`: keys of a generated world with this model. Returns what is wrong and where to look, one
-/// sentence each; nothing if the model conforms.
+/// another order; blocking heights that are numbers, and line of sight that begins there; shadowing within what it says
+/// of itself; a name and a description. `world`: keys of a generated world with this model. Returns what is wrong and
+/// where to look, one sentence each; nothing if the model conforms.
 [[nodiscard]] std::vector<std::string> link_model_problems(const LinkModelType& type,
                                                            const nlohmann::json& world = nlohmann::json::object());
 /// The same as Catch2 checks, for a registered model.

@@ -56,6 +56,11 @@ struct BlocksNowhere : SoundModel {
     return std::numeric_limits<double>::quiet_NaN();
   }
 };
+struct SeesElsewhere : SoundModel {
+  [[nodiscard]] bool line_of_sight(const LinkPlace& /*link*/, double height_m) const override {
+    return height_m > 100.0;
+  }
+};
 struct CountsQuestions : SoundModel {
   [[nodiscard]] double blocking_height_m(const LinkPlace& /*link*/) const override { return ++questions_; }
   mutable double questions_ = 0.0;
@@ -68,9 +73,22 @@ struct DependsOnTheFirst : SoundModel {
   mutable double first_m_ = -1.0;
 };
 struct Shadows : SoundModel {
-  [[nodiscard]] Shadowing shadowing(const LinkPlace& /*link*/, bool /*line_of_sight*/,
-                                    double /*height_m*/) const override {
-    return {6.0, 50.0};
+  [[nodiscard]] Shadowing shadowing(bool /*line_of_sight*/) const override { return {6.0, 50.0}; }
+  void shadowing_row(const LinkPlace& /*link*/, bool /*line_of_sight*/, std::span<const double> height_m,
+                     double* deviation_db) const override {
+    std::fill_n(deviation_db, height_m.size(), 6.0);
+  }
+};
+struct ShadowsMore : Shadows {
+  [[nodiscard]] Shadowing shadowing(bool /*line_of_sight*/) const override { return {5.9, 50.0}; }
+};
+struct ShadowsAnywhere : Shadows {
+  [[nodiscard]] Shadowing shadowing(bool /*line_of_sight*/) const override { return {6.0, 0.0}; }
+};
+struct ShadowsByRow : Shadows {
+  void shadowing_row(const LinkPlace& /*link*/, bool /*line_of_sight*/, std::span<const double> height_m,
+                     double* deviation_db) const override {
+    std::fill_n(deviation_db, height_m.size(), 6.0 / static_cast<double>(height_m.size()));
   }
 };
 
@@ -94,6 +112,7 @@ void check_named(const char* what) {
 
 TEST_CASE("a channel model that keeps every promise has no problems") {
   CHECK(problems_of<SoundModel>().empty());
+  CHECK(problems_of<Shadows>().empty());
 }
 
 TEST_CASE("a channel model that breaks a promise is named, and the promise") {
@@ -102,8 +121,11 @@ TEST_CASE("a channel model that breaks a promise is named, and the promise") {
   check_named<ExceedsItsBound>("with line of sight exceeds gain_bound()");
   check_named<IsNothing>("must be positive and finite");
   check_named<BlocksNowhere>("not a number");
+  check_named<SeesElsewhere>("not what blocking_height_m() says");
   check_named<CountsQuestions>("");
   check_named<DependsOnTheFirst>("another object of the same trial");
-  check_named<Shadows>("nothing draws shadowing yet");
+  check_named<ShadowsMore>("shadowing() says 0 to 5.9");
+  check_named<ShadowsAnywhere>("no correlation distance");
+  check_named<ShadowsByRow>("shadowing_row() gives other bits");
   CHECK_THAT(problems_of<SoundModel>("").front(), Contains("a sentence that describes it"));
 }

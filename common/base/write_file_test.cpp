@@ -65,6 +65,24 @@ TEST_CASE("a file is written whole, with its permissions, and nothing is left be
   CHECK(folder.files() == 1);
 }
 
+TEST_CASE("a file written in parts is there once it is committed, and leaves nothing if it is given up") {
+  const OutputFolder folder;
+  write_file(folder.file, "old");
+  {
+    aloft::FileDraft given_up(folder.file);
+    given_up.write("new");
+  }
+  CHECK(read_file(folder.file) == "old");
+  CHECK(folder.files() == 1);
+  aloft::FileDraft draft(folder.file);
+  draft.write("one, ");
+  draft.write("two");
+  CHECK(read_file(folder.file) == "old");
+  draft.commit();
+  CHECK(read_file(folder.file) == "one, two");
+  CHECK(folder.files() == 1);
+}
+
 TEST_CASE("a reader of a file that is being written finds the old or the new one") {
   const OutputFolder folder;
   const std::string old_content(200'000, 'o');

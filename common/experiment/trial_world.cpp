@@ -15,15 +15,20 @@ world::City make_city(const Experiment& experiment, const Condition& condition, 
   return world::generate_city(condition.world, experiment.seed, trial);
 }
 
-world::MeasuredWorld read_measured_world(const Condition& condition) {
+PlacedWorld read_placed_world(const Condition& condition) {
   constexpr std::string_view advice = "use the original file on every machine, or start a new experiment";
   NamedFile file{condition.world.text("file"), condition.world.text("file_sha256")};
   NamedFile sites{condition.world.text("sites_file"), condition.world.text("sites_file_sha256")};
   world::LocatedFlight located = read_flight(file, advice);
-  world::MeasuredWorld measured;
-  if (!sites.path.empty()) measured.known = read_sites(sites, located, file.path, advice);
-  measured.flight = std::move(located.flight);
-  return measured;
+  PlacedWorld placed;
+  if (!sites.path.empty()) placed.world.known = read_sites(sites, located, file.path, advice);
+  placed.world.flight = std::move(located.flight);
+  placed.places = std::move(located.route);
+  return placed;
+}
+
+world::MeasuredWorld read_measured_world(const Condition& condition) {
+  return read_placed_world(condition).world;
 }
 
 TrialWorld make_world(const Experiment& experiment, const Condition& condition, std::uint32_t trial) {

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <memory>
 #include <variant>
+#include <vector>
 
 #include "common/experiment/experiment.hpp"
 #include "common/radio/signal_map.hpp"
+#include "common/world/local_projection.hpp"
 #include "common/world/measured_world.hpp"
 #include "common/world/world.hpp"
 
@@ -17,6 +19,13 @@ namespace aloft::experiment {
 /// The flight of a measured condition, the same in every trial, with its base stations if the condition names them.
 /// Throws InputError if a file cannot be read, or is not the one that the experiment was resolved with.
 [[nodiscard]] world::MeasuredWorld read_measured_world(const Condition& condition);
+
+/// The same, and where on the globe it was.
+struct PlacedWorld {
+  world::MeasuredWorld world;
+  std::vector<world::GeoPosition> places;  ///< [step - 1]; empty if the file does not say
+};
+[[nodiscard]] PlacedWorld read_placed_world(const Condition& condition);
 
 /// The world of a trial, without the radio.
 using TrialWorld = std::variant<world::City, world::MeasuredWorld>;

@@ -45,4 +45,9 @@ Position LocalProjection::operator()(GeoPosition place) const {
           north_m_per_deg_ * (place.latitude_deg - origin_.latitude_deg)};
 }
 
+GeoPosition LocalProjection::inverse(Position position) const {
+  return {origin_.latitude_deg + position.y_m / north_m_per_deg_,
+          wrapped_deg(origin_.longitude_deg + position.x_m / east_m_per_deg_)};
+}
+
 }  // namespace aloft::world

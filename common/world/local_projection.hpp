@@ -22,6 +22,8 @@ class LocalProjection {
   explicit LocalProjection(GeoPosition origin);
 
   [[nodiscard]] Position operator()(GeoPosition place) const;
+  /// The place at this position.
+  [[nodiscard]] GeoPosition inverse(Position position) const;
 
  private:
   GeoPosition origin_;

@@ -40,6 +40,15 @@ TEST_CASE("ten kilometres are right to 0.1 %, whatever their direction") {
   CHECK(distance_m({53.2764167, -6.3460009}) == Approx(10'000).epsilon(1e-3));
 }
 
+TEST_CASE("the place at a position, also across the meridian of 180 degrees") {
+  // 10 km to the north and to the east by Vincenty's formula, as above: 0.1 % are 10 m, or 0.0001 degrees.
+  const LocalProjection projection({53.34, -6.24});
+  CHECK(projection.inverse({0.0, 10'000.0}).latitude_deg == Approx(53.4298525).margin(1e-4));
+  CHECK(projection.inverse({0.0, 10'000.0}).longitude_deg == -6.24);
+  CHECK(projection.inverse({10'000.0, 0.0}).longitude_deg == Approx(-6.0898695).margin(1.5e-4));
+  CHECK(LocalProjection({0.0, 179.999}).inverse({222.64, 0.0}).longitude_deg == Approx(-179.999).margin(1e-6));
+}
+
 TEST_CASE("the mean of places, also across the meridian of 180 degrees") {
   const auto near = [](GeoPosition mean, GeoPosition expected) {
     CHECK(mean.latitude_deg == Approx(expected.latitude_deg));

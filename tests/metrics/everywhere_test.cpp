@@ -1,11 +1,10 @@
 // A metric is one row of the table (common/flight/metrics.hpp): these tests add rows and look for them wherever flights
 // are stored and shown.
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -16,7 +15,7 @@
 #include "common/store/result_store.hpp"
 #include "tests/integration/command.hpp"
 #include "tests/paths.hpp"
-#include "tools/aloft/commands.hpp"
+#include "tools/export/rows.hpp"
 #include "tools/reference/pages.hpp"
 #include "tools/report/report_data.hpp"
 
@@ -84,23 +83,14 @@ experiment::Experiment small() {
       "test");
 }
 
-std::string exported(const std::filesystem::path& dir, const std::string& format) {
-  CLI::App app;
-  cli::Job job;
-  cli::add_export(app, job);
-  app.parse(std::vector<std::string>{format, "--format", "--flights", dir.string(), "export"});
-  const std::filesystem::path out = dir / "export.txt";
-  std::fflush(stdout);
-  const int before = dup(STDOUT_FILENO);
-  const int file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  dup2(file, STDOUT_FILENO);
-  const int exit_code = job();
-  std::fflush(stdout);
-  dup2(before, STDOUT_FILENO);
-  close(before);
-  close(file);
-  CHECK(exit_code == 0);
-  return read_file(out);
+std::string exported(const std::filesystem::path& dir, exports::RowFormat format) {
+  const auto results = store::ResultStore::open_for_reading(dir);
+  const std::filesystem::path file = dir / "export.txt";
+  std::FILE* out = std::fopen(file.c_str(), "w");
+  REQUIRE(out != nullptr);
+  exports::write_rows(results, results.flights(), exports::Rows::flights, format, out);
+  std::fclose(out);
+  return read_file(file);
 }
 
 /// The flights of version 0.2.0.
@@ -158,9 +148,9 @@ TEST_CASE("a metric of the table is in the database, summaries, exports, tables,
   CHECK_THAT(read_file(dir / "summary.csv"), Contains(",energy_mean_j,height_max_mean_m,steps_at_top_mean,gain_over_"));
   CHECK_THAT(experiment::summary_table(summary), Contains("top km  at top") && Contains("  0.120     2.0"));
 
-  CHECK_THAT(exported(dir, "csv"),
+  CHECK_THAT(exported(dir, exports::RowFormat::csv),
              Contains(",energy_j,height_max_m,steps_at_top,digest\n") && Contains(",120.0,2,") && Contains(",40.0,,"));
-  CHECK(nlohmann::json::parse(exported(dir, "json"))[1]["steps_at_top"] == 2);
+  CHECK(nlohmann::json::parse(exported(dir, exports::RowFormat::json))[1]["steps_at_top"] == 2);
 
   std::vector<store::ResultStore> runs;
   runs.push_back(store::ResultStore::open_for_reading(dir));

@@ -1,157 +1,98 @@
 #include <fmt/format.h>
 
-#include <array>
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <optional>
 
-#include "common/experiment/summary.hpp"
+#include "common/base/error.hpp"
 #include "common/store/result_store.hpp"
+#include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/find_condition.hpp"
+#include "tools/export/recording.hpp"
+#include "tools/export/rows.hpp"
 
 namespace aloft::cli {
 namespace {
 
-using Row = nlohmann::ordered_json;
+struct ExportOptions {
+  std::filesystem::path dir;
+  bool steps = false;
+  bool flights = false;
+  std::string format;
+  std::filesystem::path out;
+  std::string condition;
+  std::optional<std::uint32_t> trial;
+  std::vector<std::string> agents;
 
-std::string_view action_name(agents::Action action) {
-  constexpr std::array names{"none", "down", "hold", "up", "absolute"};
-  return names.at(static_cast<std::size_t>(action));
-}
-
-/// Writes rows as they come: a CSV with a header line, or a JSON array with one object per line.
-class RowWriter {
- public:
-  explicit RowWriter(bool json) : json_(json) {}
-
-  void write(const Row& row) {
-    if (json_) {
-      fmt::print("{}{}", first_ ? "[\n" : ",\n", row.dump());
-    } else {
-      if (first_) print_line(row, [](const auto& item) { return item.key(); });
-      print_line(row, [](const auto& item) { return experiment::csv_cell(item.value()); });
-    }
-    first_ = false;
-  }
-
-  void finish() {
-    if (json_) fmt::print("{}\n]\n", first_ ? "[" : "");
-  }
-
- private:
-  template <typename Text>
-  static void print_line(const Row& row, Text text) {
-    std::string line;
-    for (const auto& item : row.items()) line += (line.empty() ? "" : ",") + text(item);
-    fmt::print("{}\n", line);
-  }
-
-  bool json_;
-  bool first_ = true;
+  /// Whether rows of text are asked for, and not a file of another program's.
+  [[nodiscard]] bool rows() const { return format == "csv" || format == "json"; }
 };
 
-/// What flights have in common, in columns of their own: the same for flights and steps, and in the Python package.
-class KeyColumns {
- public:
-  explicit KeyColumns(const experiment::Experiment& experiment) : experiment_(experiment) {
-    for (const experiment::Condition& condition : experiment.conditions)
-      for (const auto& swept : condition.parameters.items()) swept_[swept.key()] = nullptr;
+void check(const ExportOptions& options) {
+  if (options.rows()) {
+    if (options.steps == options.flights)
+      throw InputError("--format {} writes rows: add either --flights, one per flight, or --steps, one per step",
+                       options.format);
+    if (!options.out.empty())
+      throw InputError("--out: the rows of --format {} go to standard output; redirect that to a file", options.format);
+    return;
   }
-
-  [[nodiscard]] Row row(const experiment::FlightKey& key) const {
-    const experiment::Condition& condition = experiment_.conditions.at(key.condition);
-    const agents::AgentSpec& agent = experiment_.agent(key.agent);
-    Row row{{"condition", condition.name}};
-    row.update(swept_);  // a parameter that this condition does not have stays null
-    row.update(Row(condition.parameters));
-    row["seed"] = experiment_.seed;
-    row["trial"] = key.trial;
-    row["agent"] = key.agent;
-    row["agent_type"] = agent.type;
-    row["privilege"] = agents::privilege_tier(agent.privilege()).name;
-    row["qos_unit"] = experiment::qos_unit(condition.kind);
-    return row;
-  }
-
- private:
-  const experiment::Experiment& experiment_;
-  Row swept_ = Row::object();  // every parameter that some condition sweeps
-};
-
-Row exported(const flight::Metric& metric, const std::optional<double>& value) {
-  if (!value) return nullptr;
-  return metric.integer ? Row(static_cast<std::int64_t>(*value)) : Row(*value);
+  if (options.steps || options.flights)
+    throw InputError("--flights and --steps are for --format csv and json; {} has all of a flight", options.format);
+  if (options.out.empty()) throw InputError("--format {} needs --out: the file to write", options.format);
 }
 
-void export_flights(const store::ResultStore& results, RowWriter& rows) {
-  const KeyColumns keys(results.experiment());
-  for (const store::FlightSummary& flight : results.flights()) {
-    Row row = keys.row(flight.key);
-    for (std::size_t i = 0; i < flight::metrics().size(); ++i)
-      row[std::string(flight::metrics()[i].key)] = exported(flight::metrics()[i], flight.metrics[i]);
-    row["digest"] = flight.digest;
-    rows.write(row);
-  }
+/// The stored flights of these conditions, trials and agents.
+std::vector<store::FlightSummary> selected(const store::ResultStore& results, const ExportOptions& options) {
+  std::optional<std::uint32_t> condition;
+  if (!options.condition.empty()) condition = find_condition(results.experiment(), options.condition).index;
+  for (const std::string& agent : options.agents) (void)results.experiment().agent(agent);  // InputError if unknown
+  std::vector<store::FlightSummary> flights;
+  results.for_each_flight([&](const store::FlightSummary& flight) {
+    const experiment::FlightKey& key = flight.key;
+    if ((!condition || key.condition == *condition) && (!options.trial || key.trial == *options.trial) &&
+        (options.agents.empty() || std::ranges::find(options.agents, key.agent) != options.agents.end()))
+      flights.push_back(flight);
+  });
+  const bool narrowed = condition || options.trial || !options.agents.empty();
+  if (flights.empty() && (narrowed || !options.rows()))
+    throw InputError("{}: there is no such flight; 'aloft export {} --flights' lists all", options.dir.string(),
+                     options.dir.string());
+  return flights;
 }
 
-Row step_row(Row row, const flight::FlightRecord& record, std::size_t index, const flight::Costs& costs) {
-  const flight::StepRecord& step = record.steps[index];
-  row["step"] = step.step;
-  row["action"] = action_name(step.action);
-  row["flown_by"] = record.pilots.at(step.flown_by);
-  row["x_m"] = step.x_m;
-  row["y_m"] = step.y_m;
-  row["height_m"] = step.height_m;
-  row["serving_cell"] = step.serving_cell;
-  row["serving_sinr_db"] = step.serving_sinr_db;
-  row["qos"] = step.qos;
-  row["reward"] = step.reward;
-  row["energy_j"] = record.step_energy_j(index, costs);
-  const auto& thoughts = step.introspection;
-  const auto optional = [&](double value) { return thoughts ? Row(value) : Row(); };
-  row["epsilon"] = optional(thoughts ? thoughts->epsilon : 0.0);
-  row["loss"] = optional(thoughts ? thoughts->loss : 0.0);
-  row["q_down"] = optional(thoughts ? thoughts->q_values[0] : 0.0);
-  row["q_hold"] = optional(thoughts ? thoughts->q_values[1] : 0.0);
-  row["q_up"] = optional(thoughts ? thoughts->q_values[2] : 0.0);
-  return row;
-}
-
-void export_steps(const store::ResultStore& results, RowWriter& rows) {
-  const KeyColumns keys(results.experiment());
-  for (const store::FlightSummary& flight : results.flights()) {
-    const Row key = keys.row(flight.key);
-    const flight::FlightRecord record = store::decode_trace(results.trace(flight.key));
-    const auto& experiment = results.experiment();
-    const flight::Costs costs = experiment.costs_in(experiment.conditions.at(flight.key.condition));
-    for (std::size_t i = 0; i < record.steps.size(); ++i) rows.write(step_row(key, record, i, costs));
+int export_results(const ExportOptions& options) {
+  check(options);
+  const auto results = store::ResultStore::open_for_reading(options.dir);
+  const std::vector<store::FlightSummary> flights = selected(results, options);
+  if (options.rows()) {
+    exports::write_rows(results, flights, options.steps ? exports::Rows::steps : exports::Rows::flights,
+                        options.format == "json" ? exports::RowFormat::json : exports::RowFormat::csv, stdout);
+    return exit_ok;
   }
+  exports::write_recording(results, flights, options.out);
+  fmt::print("{}\n", options.out.string());
+  return exit_ok;
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, Job& job) {
-  struct Options {
-    std::filesystem::path dir;
-    bool steps = false;
-    bool flights = false;
-    std::string format;
-  };
   auto* command =
-      app.add_subcommand("export", "Write the flights or the single steps of a result folder to standard output");
-  auto options = std::make_shared<Options>();
+      app.add_subcommand("export", "Write the flights of a result folder as tables, or as a recording for Foxglove");
+  auto options = std::make_shared<ExportOptions>();
   command->add_option("dir", options->dir, "Result folder of 'aloft run'")->required();
-  auto* what = command->add_option_group("what")->require_option(1);
-  what->add_flag("--flights", options->flights, "One row per flight");
-  what->add_flag("--steps", options->steps, "One row per step of every flight");
-  add_format(*command, options->format, {"csv", "json"});
-  command->callback([options, &job] {
-    job = [options] {
-      const auto results = store::ResultStore::open_for_reading(options->dir);
-      RowWriter rows(options->format == "json");
-      options->steps ? export_steps(results, rows) : export_flights(results, rows);
-      rows.finish();
-      return 0;
-    };
-  });
+  command->add_flag("--flights", options->flights, "One row per flight");
+  command->add_flag("--steps", options->steps, "One row per step of every flight");
+  add_format(*command, options->format, {"csv", "json", "mcap"});
+  command->add_option("--out", options->out, "The file to write, of --format mcap; rows go to standard output");
+  command->add_option("--condition", options->condition, "Only flights of this condition: its index or name");
+  command->add_option("--trial", options->trial, "Only flights of this trial, from 0")
+      ->check(runtime::whole_number(0, 9'999'999));
+  command->add_option("--agents", options->agents, "Only flights of these agents, e.g. min-height,constant-120")
+      ->delimiter(',')
+      ->check(agent_name());
+  command->callback([options, &job] { job = [options] { return export_results(*options); }; });
 }
 
 }  // namespace aloft::cli

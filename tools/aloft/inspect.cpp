@@ -10,6 +10,7 @@
 #include "common/experiment/trial_world.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "tools/aloft/commands.hpp"
+#include "tools/aloft/find_condition.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -21,18 +22,6 @@ struct InspectOptions {
   std::string explain;
   std::string format;
 };
-
-/// Finds a condition by index or name; InputError lists the conditions.
-const experiment::Condition& find_condition(const experiment::Experiment& experiment, const std::string& wanted) {
-  constexpr std::uint32_t shown = 20;
-  std::string known;
-  for (const experiment::Condition& condition : experiment.conditions) {
-    if (condition.name == wanted || std::to_string(condition.index) == wanted) return condition;
-    if (condition.index < shown) known += fmt::format("\n  {}  {}", condition.index, condition.name);
-  }
-  if (experiment.conditions.size() > shown) known += fmt::format("\n  ... up to {}", experiment.conditions.size() - 1);
-  throw InputError("--condition {}: there is no such condition; use one of{}", excerpt(wanted), known);
-}
 
 /// "STEP,HEIGHT" as given to --explain.
 struct Place {

@@ -1,4 +1,4 @@
-// Recordings for Foxglove, read back by the reader of the format's authors and compared with what is stored.
+// Files for Foxglove and TensorBoard, read back and compared with what is stored: MCAP by the reader of the format's authors.
 // Usage: node export_test.mjs ALOFT_PROGRAM SOURCE_FOLDER FOLDER_OF_PACKAGES
 
 import assert from 'node:assert/strict';
@@ -6,7 +6,7 @@ import {spawnSync} from 'node:child_process';
 import {existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
-import {join} from 'node:path';
+import {dirname, join} from 'node:path';
 import {after, before, test} from 'node:test';
 
 const [aloft, sources, packages] = process.argv.slice(2);
@@ -19,6 +19,7 @@ const require = createRequire(packages + '/');
 const {McapIndexedReader, McapStreamReader} = require('@mcap/core');
 const {createFileRegistry, fromBinary} = require('@bufbuild/protobuf');
 const {FileDescriptorSetSchema} = require('@bufbuild/protobuf/wkt');
+const {BinaryReader} = require('@bufbuild/protobuf/wire');
 const {foxgloveMessageSchemas} = require('@foxglove/schemas/internal');
 
 const scratch = mkdtempSync(join(tmpdir(), 'aloft-export-test-'));
@@ -117,6 +118,57 @@ function recording(...given) {
 
 const rows = (...given) => JSON.parse(succeed('export', results, '--steps', '--format', 'json', ...given));
 const world = (condition, trial) => JSON.parse(succeed('inspect', 'world', experiment, '--condition', `${condition}`, '--trial', `${trial}`));
+
+/** CRC-32C, bit by bit. */
+function crc32c(bytes) {
+  let crc = 0xffffffff;
+  for (const byte of bytes) {
+    crc ^= byte;
+    for (let bit = 0; bit < 8; ++bit) crc = crc & 1 ? (crc >>> 1) ^ 0x82f63b78 : crc >>> 1;
+  }
+  return (crc ^ 0xffffffff) >>> 0;
+}
+
+/** As TensorFlow stores checksums of records. */
+function masked(crc) {
+  return (((crc >>> 15) | (crc << 17)) + 0xa282ead8) >>> 0;
+}
+
+/** A message as [field number, value] pairs; `kinds`: how to read each field. */
+function fields(bytes, kinds) {
+  const reader = new BinaryReader(bytes);
+  const found = [];
+  while (reader.pos < reader.len) {
+    const [number] = reader.tag();
+    assert.ok(kinds[number], `field ${number} is unknown`);
+    found.push([number, reader[kinds[number]]()]);
+  }
+  return found;
+}
+
+/** The events of a file, with their checksums checked: [{wallTime, step, version, scalars}]. */
+function readEvents(file) {
+  const bytes = readFileSync(file);
+  const events = [];
+  for (let at = 0; at < bytes.length;) {
+    const length = Number(bytes.readBigUInt64LE(at));
+    assert.equal(bytes.readUInt32LE(at + 8), masked(crc32c(bytes.subarray(at, at + 8))), 'checksum of a length');
+    const content = bytes.subarray(at + 12, at + 12 + length);
+    assert.equal(bytes.readUInt32LE(at + 12 + length), masked(crc32c(content)), 'checksum of an event');
+    const event = Object.fromEntries(fields(content, {1: 'double', 2: 'int64', 3: 'string', 5: 'bytes'}));
+    const values = event[5] ? fields(event[5], {1: 'bytes'}).map(([, value]) => Object.fromEntries(fields(value, {1: 'string', 2: 'float'}))) : [];
+    events.push({wallTime: event[1] ?? 0, step: Number(event[2] ?? 0), version: event[3], scalars: Object.fromEntries(values.map((value) => [value[1], value[2]]))});
+    at += 16 + length;
+  }
+  assert.deepEqual(events[0], {wallTime: 0, step: 0, version: 'brain.Event:2', scalars: {}});
+  return events.slice(1);
+}
+
+/** The event files in a folder, by the names of their runs. */
+function runsIn(folder) {
+  const files = readdirSync(folder, {recursive: true}).filter((name) => name.includes('tfevents'));
+  return new Map(files.map((name) => [dirname(name), readEvents(join(folder, name))]));
+}
 
 test('every step of every flight is in the recording, with the values of the rows', () => {
   const {messages} = read(recording());
@@ -297,6 +349,61 @@ test('the same flights give the same bytes, and a changed byte is noticed', () =
   assert.throws(() => read(broken), /CRC/i);
 });
 
+test('TensorBoard: one run per flight, with what happened and what the agent told of its learning', () => {
+  assert.equal(crc32c(Buffer.from('123456789')), 0xe3069283);
+  const folder = join(scratch, 'events');
+  succeed('export', results, '--format', 'tensorboard', '--out', folder);
+  const runs = runsIn(folder);
+  const conditions = ['0-city_bs_density_per_km2=1', '1-city_bs_density_per_km2=5', '2-measured'];
+  assert.deepEqual([...runs.keys()].sort(), conditions.flatMap((condition) => ['0', '1'].flatMap((trial) => agents.map((agent) => `${condition}/trial-${trial}/${agent}`))).sort());
+  let thoughts = 0;
+  const stored = rows();
+  for (const row of stored) {
+    const condition = conditions.find((name) => row.condition === 'measured' ? name === '2-measured' : name.endsWith(`=${row.bs_density_per_km2}`));
+    const event = runs.get(`${condition}/trial-${row.trial}/${row.agent}`)[row.step - 1];
+    assert.equal(event.step, row.step);
+    assert.equal(event.wallTime, row.step * 10 / 12.5);
+    const expected = {};
+    for (const name of ['qos', 'reward', 'height_m', 'serving_sinr_db', 'energy_j']) expected[`flight/${name}`] = Math.fround(row[name]);
+    if (row.epsilon !== null) for (const name of ['epsilon', 'loss', 'q_down', 'q_hold', 'q_up']) expected[`learning/${name}`] = Math.fround(row[name]);
+    assert.deepEqual(event.scalars, expected);
+    thoughts += row.epsilon !== null;
+  }
+  assert.equal([...runs.values()].flat().length, stored.length);
+  assert.ok(thoughts > 0);
+
+  const again = join(scratch, 'events-again');
+  succeed('export', results, '--format', 'tensorboard', '--out', `${again}/`, '--trial', '1', '--agents', 'dqn');
+  const some = readdirSync(again, {recursive: true}).filter((name) => name.includes('tfevents'));
+  assert.equal(some.length, 3);
+  for (const name of some) assert.ok(readFileSync(join(again, name)).equals(readFileSync(join(folder, name))));
+});
+
+test('TensorBoard: the validation log of a training', () => {
+  const config = join(scratch, 'train.json');
+  const stage = {worlds: 5, validation_worlds: 3, rounds: 1, hidden_width: 8, updates: 50};
+  writeFileSync(config, JSON.stringify({spectral_efficiency: {...stage, rounds: 0}, throughput: {...stage, rollout_steps: 5}}));
+  const model = join(scratch, 'model.pb');
+  succeed('train', 'pretrained', '--config', config, '--out', model);
+  const folder = join(scratch, 'training');
+  succeed('export', `${model}.log`, '--format', 'tensorboard', '--out', folder);
+  const runs = runsIn(folder);
+  const log = readFileSync(`${model}.log`, 'utf8').trim().split('\n');
+  assert.equal(log.length, 3);
+  assert.deepEqual([...runs.keys()].sort(), ['spectral_efficiency', 'throughput']);
+  for (const [name, events] of runs) {
+    const lines = log.filter((line) => line.startsWith(name.replace('_', ' ')));
+    assert.deepEqual(events.map(({step}) => step), lines.map((_, round) => round));
+    events.forEach(({scalars}, round) => {
+      const numbers = [...lines[round].matchAll(/[+-]\d+\.\d+/g)].map(([text]) => Math.fround(Number(text)));
+      assert.deepEqual(Object.values(scalars), numbers);
+      assert.equal(numbers.length, name === 'throughput' ? 2 : 6);
+    });
+  }
+  assert.ok('gain_over_min_height/network_at_2.5_per_km2' in runs.get('spectral_efficiency')[0].scalars);
+  assert.ok('gain_over_min_height/best_feasible' in runs.get('throughput')[1].scalars);
+});
+
 test('what is wanted of a run: conditions, trials and agents, of rows and recordings', () => {
   assert.equal(rows('--condition', 'measured').every(({condition}) => condition === 'measured'), true);
   const some = rows('--trial', '1', '--agents', 'dqn,planner');
@@ -314,6 +421,9 @@ test('wrong requests end with exit code 2, say what to do, and write nothing', (
     [['--format', 'mcap'], /--format mcap needs --out: the file to write/],
     [['--format', 'mcap', '--steps', '--out', out], /--flights and --steps are for --format csv and json/],
     [['--format', 'mcap', '--out', out, '--trial', '2'], /no such flight; 'aloft export .* --flights' lists all/],
+    [['--format', 'tensorboard'], /--format tensorboard needs --out: the folder to write/],
+    [['--format', 'tensorboard', '--out', scratch], /exists already; remove it, or choose another folder/],
+    [['--format', 'tensorboard', '--out', join(out, 'x')], /cannot write .*No such file or directory/],
     [['--flights', '--trial', '2'], /no such flight/],
     [['--flights', '--condition', 'x'], /--condition x: there is no such condition; use one of/],
     [['--flights', '--agents', 'random-walk'], /random-walk/],
@@ -324,6 +434,16 @@ test('wrong requests end with exit code 2, say what to do, and write nothing', (
     assert.equal(status, 2, given.join(' '));
     assert.match(stderr, message);
     assert.equal(stdout, '');
+  }
+  const training = [
+    [['--flights'], /a file; --format csv is of the result folders of 'aloft run'/],
+    [['--format', 'tensorboard', '--out', out, '--trial', '0'], /the log of a training has none of them/],
+    [['--format', 'tensorboard', '--out', out], /experiment.json:1: this is no line of a validation log of 'aloft train'/],
+  ];
+  for (const [given, message] of training) {
+    const {status, stderr} = run('export', experiment, ...given);
+    assert.equal(status, 2, given.join(' '));
+    assert.match(stderr, message);
   }
   assert.deepEqual(readdirSync(scratch).filter((name) => name.startsWith('refused')), []);
 });

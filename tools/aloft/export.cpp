@@ -10,6 +10,7 @@
 #include "tools/aloft/find_condition.hpp"
 #include "tools/export/recording.hpp"
 #include "tools/export/rows.hpp"
+#include "tools/export/tensorboard.hpp"
 
 namespace aloft::cli {
 namespace {
@@ -26,6 +27,7 @@ struct ExportOptions {
 
   /// Whether rows of text are asked for, and not a file of another program's.
   [[nodiscard]] bool rows() const { return format == "csv" || format == "json"; }
+  [[nodiscard]] bool narrowed() const { return !condition.empty() || trial || !agents.empty(); }
 };
 
 void check(const ExportOptions& options) {
@@ -39,7 +41,9 @@ void check(const ExportOptions& options) {
   }
   if (options.steps || options.flights)
     throw InputError("--flights and --steps are for --format csv and json; {} has all of a flight", options.format);
-  if (options.out.empty()) throw InputError("--format {} needs --out: the file to write", options.format);
+  if (options.out.empty())
+    throw InputError("--format {} needs --out: the {} to write", options.format,
+                     options.format == "mcap" ? "file" : "folder");
 }
 
 /// The stored flights of these conditions, trials and agents.
@@ -54,15 +58,28 @@ std::vector<store::FlightSummary> selected(const store::ResultStore& results, co
         (options.agents.empty() || std::ranges::find(options.agents, key.agent) != options.agents.end()))
       flights.push_back(flight);
   });
-  const bool narrowed = condition || options.trial || !options.agents.empty();
-  if (flights.empty() && (narrowed || !options.rows()))
+  if (flights.empty() && (options.narrowed() || !options.rows()))
     throw InputError("{}: there is no such flight; 'aloft export {} --flights' lists all", options.dir.string(),
                      options.dir.string());
   return flights;
 }
 
+int export_training(const ExportOptions& options) {
+  if (options.format != "tensorboard")
+    throw InputError(
+        "{}: a file; --format {} is of the result folders of 'aloft run'. Validation logs of 'aloft train' "
+        "can be written with --format tensorboard",
+        options.dir.string(), options.format);
+  if (options.narrowed())
+    throw InputError("--condition, --trial, --agents: the log of a training has none of them; leave them out");
+  exports::write_training_events(options.dir, options.out);
+  fmt::print("{}\n", options.out.string());
+  return exit_ok;
+}
+
 int export_results(const ExportOptions& options) {
   check(options);
+  if (std::filesystem::is_regular_file(options.dir)) return export_training(options);
   const auto results = store::ResultStore::open_for_reading(options.dir);
   const std::vector<store::FlightSummary> flights = selected(results, options);
   if (options.rows()) {
@@ -70,7 +87,8 @@ int export_results(const ExportOptions& options) {
                         options.format == "json" ? exports::RowFormat::json : exports::RowFormat::csv, stdout);
     return exit_ok;
   }
-  exports::write_recording(results, flights, options.out);
+  options.format == "mcap" ? exports::write_recording(results, flights, options.out)
+                           : exports::write_events(results, flights, options.out);
   fmt::print("{}\n", options.out.string());
   return exit_ok;
 }
@@ -79,13 +97,17 @@ int export_results(const ExportOptions& options) {
 
 void add_export(CLI::App& app, Job& job) {
   auto* command =
-      app.add_subcommand("export", "Write the flights of a result folder as tables, or as a recording for Foxglove");
+      app.add_subcommand("export", "Write the flights of a result folder as tables, or for Foxglove or TensorBoard");
   auto options = std::make_shared<ExportOptions>();
-  command->add_option("dir", options->dir, "Result folder of 'aloft run'")->required();
+  command
+      ->add_option("dir", options->dir,
+                   "Result folder of 'aloft run'; for TensorBoard also a validation log of 'aloft train'")
+      ->required();
   command->add_flag("--flights", options->flights, "One row per flight");
   command->add_flag("--steps", options->steps, "One row per step of every flight");
-  add_format(*command, options->format, {"csv", "json", "mcap"});
-  command->add_option("--out", options->out, "The file to write, of --format mcap; rows go to standard output");
+  add_format(*command, options->format, {"csv", "json", "mcap", "tensorboard"});
+  command->add_option("--out", options->out,
+                      "The file (mcap) or new folder (tensorboard) to write; rows go to standard output");
   command->add_option("--condition", options->condition, "Only flights of this condition: its index or name");
   command->add_option("--trial", options->trial, "Only flights of this trial, from 0")
       ->check(runtime::whole_number(0, 9'999'999));

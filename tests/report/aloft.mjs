@@ -7,7 +7,7 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after} from 'node:test';
 
-export const [aloft, sources, pictures] = process.argv.slice(2);
+export const [aloft, sources, modules, pictures] = process.argv.slice(2);
 export const scratch = mkdtempSync(join(tmpdir(), 'aloft-report-test-'));
 after(() => rmSync(scratch, {recursive: true, force: true}));
 

@@ -98,6 +98,13 @@ export class Browser {
     return result.value;
   }
 
+  /** Presses a key that is its own text ("a", " ") or has a name ("Enter", "Tab"). */
+  async press(key) {
+    const text = key === 'Enter' ? '\r' : key.length === 1 ? key : undefined;
+    const code = {Enter: 13, Tab: 9}[key] ?? key.charCodeAt(0);
+    for (const type of [text ? 'keyDown' : 'rawKeyDown', 'keyUp']) await this.#send('Input.dispatchKeyEvent', {type, key, text: type === 'keyDown' ? text : undefined, windowsVirtualKeyCode: code});
+  }
+
   /** The whole page as PNG bytes. */
   async screenshot() {
     const {data} = await this.#send('Page.captureScreenshot', {format: 'png', captureBeyondViewport: true});

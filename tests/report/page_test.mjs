@@ -1,12 +1,12 @@
 // The report in a real browser: runs a small experiment, writes its report, looks at every chart.
-// Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER [SCREENSHOT_FOLDER]
+// Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER NODE_MODULES [SCREENSHOT_FOLDER]
 
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
-import {aloft, fly, pictures, scratch, sources, succeed} from './aloft.mjs';
+import {agents, aloft, fly, modules, pictures, scratch, sources, succeed} from './aloft.mjs';
 import {Browser, findBrowser} from './browser.mjs';
 
 const program = findBrowser();
@@ -17,6 +17,19 @@ if (!program) {
 
 const generated = join(scratch, 'generated');
 const measured = join(scratch, 'measured');
+const many = join(scratch, 'crowd', 'many');
+const axe = readFileSync(join(modules, 'axe-core', 'axe.min.js'), 'utf8');
+
+/** 22 agents of all tiers in 13 conditions, two short flights each. */
+const crowd = {
+  name: 'many', seed: 7, trials: 2,
+  worlds: [
+    {kind: 'generated', steps: 15, bs_density_per_km2: [1, 2.5, 5], building_density_per_km2: [100, 200, 300]},
+    {kind: 'generated', steps: 15, bs_density_per_km2: 2.5, building_density_per_km2: 200, site_map_error_m: [10, 25, 50, 100]},
+  ],
+  agents: [...agents, 'present-column', 'next-column', 'site-planner', 'local-bandit', 'height-filter', 'pretrained', {type: 'planner', name: 'planner-smoothed', smoothing_m: 5},
+    {type: 'constant', height_m: [60, 80, 90, 100, 150, 180, 200, 240]}],
+};
 
 function dataOf(page) {
   const html = readFileSync(page, 'utf8');
@@ -74,7 +87,41 @@ async function checkPage(browser, page, {options, address = '', view = 'all'} = 
   }
   const overflow = await browser.evaluate('document.documentElement.scrollWidth - document.documentElement.clientWidth');
   assert.equal(overflow, 0, 'the page scrolls sideways');
+  assert.deepEqual(await browser.evaluate(unreadable), []);
+  assert.deepEqual(await browser.evaluate(untold(data)), []);
   return {data, names};
+}
+
+/** In the page: pairs of texts of one chart that lie on each other, and charts that are drawn smaller than they were laid out. */
+const unreadable = `[...document.querySelectorAll('[data-chart]')].flatMap((chart) => {
+  const svg = chart.querySelector('svg.marks');
+  const texts = [...svg.querySelectorAll('text')].filter((text) => text.textContent.trim() !== '' && text.getAttribute('opacity') !== '0').map((text) => ({text: text.textContent, box: text.getBoundingClientRect()}));
+  const same = (a, b) => a.text === b.text && Math.abs(a.box.x - b.box.x) < 1 && Math.abs(a.box.y - b.box.y) < 1;  // a text and its halo
+  const meet = (a, b) => Math.min(a.box.right, b.box.right) - Math.max(a.box.left, b.box.left) > 1 && Math.min(a.box.bottom, b.box.bottom) - Math.max(a.box.top, b.box.top) > 3;  // boxes are higher than letters
+  const pairs = texts.flatMap((a, i) => texts.slice(0, i).filter((b) => meet(a, b) && !same(a, b)).map((b) => chart.dataset.chart + ': ' + a.text + ' on ' + b.text));
+  const scale = svg.getBoundingClientRect().width / svg.getAttribute('width');
+  return scale < 0.97 ? [...pairs, chart.dataset.chart + ': drawn at ' + scale] : pairs;
+})`;
+
+/** In the page: names of privileged agents without their mark, and charts with marks that do not say what these mean. */
+const untold = (data) => `(() => {
+  const tiers = ${JSON.stringify(data.privilege_tiers.filter((tier) => tier.mark !== ''))};
+  const names = ${JSON.stringify(Object.fromEntries(data.agents.map((agent) => [agent.name, agent.privilege])))};
+  const tierOf = (name) => tiers.find((tier) => tier.name === names[name]);
+  return [...document.querySelectorAll('[data-chart], #results table, #published table')].flatMap((part) => {
+    const chart = part.dataset.chart;
+    const texts = chart ? [...part.querySelectorAll('text')].map((text) => text.textContent) : [...part.querySelectorAll('.agent')].map((text) => text.textContent);
+    const tips = chart ? [...part.querySelectorAll('[aria-label]')].flatMap((mark) => [...mark.getAttribute('aria-label').matchAll(/Agent: ([^;]*)/g)].map(([, name]) => name)) : [];
+    const bare = [...texts, ...tips].filter((text) => tierOf(text));
+    const mute = chart ? tiers.filter((tier) => texts.some((text) => text.endsWith(' ' + tier.mark)) && !texts.some((text) => text.includes(tier.sees))).map((tier) => tier.mark) : [];
+    return [...bare, ...mute].map((what) => (chart ?? 'table') + ': ' + what);
+  });
+})()`;
+
+/** What axe-core finds that keeps people out. */
+async function barriers(browser) {
+  await browser.evaluate(axe);
+  return browser.evaluate(`axe.run(document, {resultTypes: ['violations']}).then((found) => found.violations.filter((one) => ['serious', 'critical'].includes(one.impact)).map((one) => one.id + ': ' + one.nodes[0].html))`);
 }
 
 async function picture(browser, name) {
@@ -99,6 +146,7 @@ describe('the report in a browser', () => {
       assert.ok(names.some((name) => name.endsWith(ending)), `no chart ${ending}`);
     assert.equal(names.filter((name) => name.endsWith('-qos')).length, data.conditions.length);
     assert.deepEqual(data.missing, []);
+    assert.deepEqual(await barriers(browser), []);
     await picture(browser, 'generated-light');
   });
 
@@ -146,6 +194,58 @@ describe('the report in a browser', () => {
     assert.match(await browser.evaluate('document.getElementById("results").textContent'), /\* sees the next step at every height, \*\* sees the whole route at every height/);
   });
 
+  test('22 agents in 13 conditions: everything can be read, on a desk and on a phone', async () => {
+    const experiment = join(scratch, 'many.json');
+    writeFileSync(experiment, JSON.stringify(crowd));
+    succeed('run', experiment, '--out', many, '--in-process');
+    succeed('report', many);
+    const page = join(many, 'report.html');
+    const {data, names} = await checkPage(browser, page);
+    assert.deepEqual([data.agents.length, data.conditions.length], [22, 13]);
+    assert.equal(names.filter((name) => name.endsWith('-energy')).length, 13);
+    const widths = await browser.evaluate(`[...document.querySelectorAll('[data-chart$=-gains], [data-chart$=-mean-height], [data-chart$=-over-steps], [data-chart$=-heat-map]')].map((chart) => chart.clientWidth / document.documentElement.clientWidth)`);
+    for (const width of widths) assert.ok(width > 0.9, `a chart takes ${width} of the page`);
+    const knows = await browser.evaluate(`Object.fromEntries([...[...document.querySelectorAll('#results table')].at(-1).querySelectorAll('tbody tr')].map((row) => [row.children[0].textContent, row.children[1].textContent]))`);
+    assert.equal(knows['planner **'], 'foresight');
+    assert.equal(knows['site-planner +'], 'site map');
+    assert.equal(knows.dqn, 'own reports');
+    await picture(browser, 'many-light');
+    await checkPage(browser, page, {options: {width: 400, scheme: 'dark'}});
+    await picture(browser, 'many-phone-dark');
+    const table = await browser.evaluate(`(() => {
+      const one = document.querySelector('#results .table');
+      const scroll = one.querySelector('.scroll');
+      const first = scroll.querySelector('tbody th');
+      const before = first.getBoundingClientRect().left;
+      scroll.scrollLeft = 300;
+      return {hint: getComputedStyle(one.querySelector('.hint')).visibility, scrolled: scroll.scrollLeft, moved: first.getBoundingClientRect().left - before, wide: first.clientWidth / scroll.clientWidth};
+    })()`);
+    assert.deepEqual([table.hint, table.scrolled], ['visible', 300]);
+    assert.ok(Math.abs(table.moved) < 1 && table.wide < 0.6, JSON.stringify(table));
+  });
+
+  test('agents and conditions are chosen with the keyboard, and the address keeps the choice', async () => {
+    await browser.open(`file://${join(many, 'report.html')}#agents=min-height,dqn,planner,site-planner&conditions=0,10`, {width: 400});
+    const shown = () => browser.evaluate(`({status: document.getElementById('status').textContent, focus: document.activeElement.id,
+      tables: [...document.querySelectorAll('#results table')].map((table) => table.querySelectorAll('tbody tr').length), address: location.hash,
+      lines: new Set([...document.querySelectorAll('#flight [data-chart$=-height-over-steps] .role-mark path')].map((path) => path.getAttribute('stroke'))).size})`);
+    assert.deepEqual(await shown(), {status: 'Shown: 4 of 22 agents in 2 of 13 conditions', focus: '', tables: [4, 4], address: '#agents=min-height,dqn,planner,site-planner&conditions=0,10', lines: 4});
+    await browser.evaluate(`document.getElementById('agents-summary').focus()`);
+    for (const key of ['Enter', 'Tab', 'Tab', 'Tab', ' ']) await browser.press(key);  // unfold, past All and None, the first box: min-height
+    await browser.ready();
+    assert.deepEqual(await shown(), {status: 'Shown: 3 of 22 agents in 2 of 13 conditions', focus: 'agents-0', tables: [3, 3], address: '#agents=planner%2Csite-planner%2Cdqn&conditions=0%2C10', lines: 3});
+    await browser.evaluate(`document.getElementById('conditions-shown').open = true`);
+    assert.deepEqual(await barriers(browser), []);
+    await picture(browser, 'filter-phone-light');
+    await browser.evaluate(`document.getElementById('agents-none').click()`);
+    await browser.ready();
+    assert.match(await browser.evaluate('document.getElementById("results").textContent'), /Nothing is chosen: tick agents and conditions/);
+    await browser.evaluate(`document.getElementById('agents-all').click()`);
+    await browser.ready();
+    assert.equal((await shown()).status, 'Shown: 22 of 22 agents in 2 of 13 conditions');
+    assert.deepEqual(browser.complaints, []);
+  });
+
   test('one trial: no interval, no box, nothing that is not a number', async () => {
     const single = join(scratch, 'single', 'run');
     succeed('run', 'data/experiments/bs-density.json', '--out', single, '--in-process', '--trials', '1', '--agents', 'min-height,random-walk,planner');
@@ -156,7 +256,7 @@ describe('the report in a browser', () => {
     const tables = await browser.evaluate('[...document.querySelectorAll("#results table")].map((table) => table.textContent).join(" ")');
     assert.match(tables, /planner \*\*/);
     assert.doesNotMatch(tables, /…|NaN|null|±/);
-    const bars = await browser.evaluate(`[...document.querySelectorAll('[data-chart$=-qos] g.mark-rect.role-mark path, [data-chart$=-qos] g.mark-rule.role-mark line, [data-chart$=-energy] g.mark-rule.role-mark line')].length`);
+    const bars = await browser.evaluate(`[...document.querySelectorAll('[data-chart$=-qos] g.mark-rect.role-mark path, [data-chart$=-qos] g.mark-rule.role-mark line, [data-chart$=-energy] g.mark-rule.role-mark line[x2="0"]')].length`);
     assert.equal(bars, 0);
   });
 

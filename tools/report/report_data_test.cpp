@@ -86,6 +86,18 @@ class MeasuredRun {
 
 }  // namespace
 
+TEST_CASE("Conditions that differ in the site map alone share a place", "[report]") {
+  const test::ScratchDir dir;
+  const json document{{"name", "maps"},
+                      {"trials", 1},
+                      {"world", {{"kind", "generated"}, {"steps", 3}, {"site_map_error_m", {10, 25}}}},
+                      {"agents", {"min-height"}}};
+  fly(experiment::parse(document.dump(), "test"), dir / "results", everything);
+  const json data = data_of(dir / "results");
+  CHECK(data["conditions"][0]["label"] == "10 m off");
+  for (const json& one : data["conditions"]) CHECK(one["place"] == "2.5 BS per km², 200 buildings per km²");
+}
+
 TEST_CASE("The shipped quick experiment has too few trials to be compared with the paper", "[report]") {
   const json data = report_of("quick.json", {.agents = {"min-height", "constant-120", "random-walk"}});
   for (const json& claim : data["claims"]["all"]) {

@@ -37,6 +37,11 @@ std::string label_of(const experiment::Condition& condition, const std::string& 
     if (with_map || !is_of_map(key)) label += (label.empty() ? "" : ", ") + readable(key, value);
   }
   if (!label.empty()) return label;
+  if (!with_map && !condition.parameters.empty())  // only the map is swept: many maps of one place
+    for (const char* key : {"bs_density_per_km2", "building_density_per_km2"})
+      if (const nlohmann::json world = condition.world.to_json(); world.contains(key))
+        label += (label.empty() ? "" : ", ") + readable(key, world[key]);
+  if (!label.empty()) return label;
   return condition.name == "measured" && !measured_file.empty() ? "measured flight " + measured_file : condition.name;
 }
 

@@ -2,7 +2,7 @@
 
 import {boxPlot, energyChart, gainChart, gainsOverview, hasGains, meanHeightChart, performanceProfile} from './charts_statistics.js';
 import {cityMap, epsilonCurve, heatMap, heightOverSteps, lossCurve, qValueCurves, qosOverSteps} from './charts_flight.js';
-import {marked} from './privilege.js';
+import {marked, tierNote} from './privilege.js';
 import {chartConfig} from './theme.js';
 import {slug} from './format.js';
 
@@ -16,15 +16,15 @@ export const statisticsCharts = [
   {id: 'energy', build: energyChart, fits: (view) => view.agents.length > 1},
 ];
 
-/** Charts of the chosen flight of a condition. */
+/** Charts of the chosen flight of a condition; `wide` ones are as wide as the page. */
 export const flightCharts = [
-  {id: 'height-over-steps', title: () => 'Height over steps', build: heightOverSteps, fits: () => true},
-  {id: 'qos-over-steps', title: (condition) => `${condition.qos_name} over steps (${smooth})`, build: qosOverSteps, fits: () => true},
-  {id: 'heat-map', title: (condition, context) => `${condition.qos_name} at every height, and the heights flown by ${flownBy(condition, context)}`, build: heatMap, fits: () => true},
+  {id: 'height-over-steps', wide: true, title: () => 'Height over steps', build: heightOverSteps, fits: () => true},
+  {id: 'qos-over-steps', wide: true, title: (condition) => `${condition.qos_name} over steps (${smooth})`, build: qosOverSteps, fits: () => true},
+  {id: 'heat-map', wide: true, title: (condition, context) => `${condition.qos_name} at every height, and the heights flown by ${flownBy(condition, context)}`, build: heatMap, fits: () => true},
   {id: 'city', title: (condition, context) => `The city from above, and the base stations that served ${context.shown(context.agent)}`, build: cityMap, fits: (flight) => flight.city !== null},
-  {id: 'epsilon', title: (condition, context) => `${context.learner}: exploration rate`, build: epsilonCurve, fits: learns},
-  {id: 'loss', title: (condition, context) => `${context.learner}: training loss`, build: lossCurve, fits: trains},
-  {id: 'q-values', title: (condition, context) => `${context.learner}: Q-values of the three actions`, build: qValueCurves, fits: learns},
+  {id: 'epsilon', title: (condition, context) => `${context.shown(context.learner)}: exploration rate`, build: epsilonCurve, fits: learns},
+  {id: 'loss', title: (condition, context) => `${context.shown(context.learner)}: training loss`, build: lossCurve, fits: trains},
+  {id: 'q-values', title: (condition, context) => `${context.shown(context.learner)}: Q-values of the three actions`, build: qValueCurves, fits: learns},
 ];
 
 function flownBy(condition, context) {
@@ -49,13 +49,15 @@ export function defaultContext(data, flight) {
   return {learner, agent: learner ?? (names.includes(data.learner) ? data.learner : names[0]), shown: (name) => marked(data, name)};
 }
 
-/** A complete Vega-Lite specification: size, theme, chart. */
-export function complete(spec, context) {
+/** A complete Vega-Lite specification: size, theme, chart, and under it what the marks of its agents mean. */
+export function complete(data, spec, context) {
+  const note = tierNote(data, spec.usermeta.agents);
   return {
     $schema: 'https://vega.github.io/schema/vega-lite/v6.json',
     width: context.width,
     autosize: {type: 'fit-x', contains: 'padding'},
     config: chartConfig(context.theme),
+    ...(note.length > 0 ? {title: {text: note, orient: 'bottom', anchor: 'start', fontSize: 11, fontWeight: 400}} : {}),
     ...spec,
   };
 }
@@ -63,7 +65,7 @@ export function complete(spec, context) {
 /** Every chart as {name, spec}: what `--svg` writes. */
 export function allCharts(data, base) {
   const charts = [];
-  const add = (name, spec, context) => charts.push({name, spec: complete(spec, context)});
+  const add = (name, spec, context) => charts.push({name, spec: complete(data, spec, context)});
   data.experiments.forEach((experiment, index) => {
     const flown = data.conditions.some((condition) => condition.experiment === index && condition.views[base.view]);
     if (flown) add(`${slug(experiment.name)}-mean-height`, meanHeightChart(data, index, base), base);

@@ -1,8 +1,8 @@
 // Charts of one chosen flight: what every agent did on the same world.
 
 import {agentScales, cellColours, surfaces} from './theme.js';
-import {markedLabel} from './privilege.js';
-import {agentLineEncoding, pickInLegend, qosTitle} from './charts_statistics.js';
+import {markedLabel, named} from './privilege.js';
+import {agentLineEncoding, agentTip, pickInLegend, qosTitle} from './charts_statistics.js';
 
 const moving_mean_steps = 10;
 
@@ -10,7 +10,7 @@ const moving_mean_steps = 10;
 function stepRows(data, flight, field) {
   const learns = (name) => data.agents.find((agent) => agent.name === name)?.learns ?? false;
   const agents = [...flight.agents].sort((a, b) => learns(a.name) - learns(b.name));
-  return agents.flatMap((agent) => agent[field].map((value, i) => ({agent: agent.name, step: flight.step[i], value})));
+  return agents.flatMap((agent) => agent[field].map((value, i) => ({...named(data, agent.name), step: flight.step[i], value})));
 }
 
 function agentNames(flight) {
@@ -22,6 +22,7 @@ const stepAxis = {title: 'Step', tickCount: 8, grid: false};
 export function heightOverSteps(data, condition, context) {
   const {flight} = condition;
   return {
+    usermeta: {agents: agentNames(flight)},
     height: 280,
     data: {values: stepRows(data, flight, 'height_m')},
     params: [pickInLegend],
@@ -30,7 +31,7 @@ export function heightOverSteps(data, condition, context) {
       x: {field: 'step', type: 'quantitative', scale: {nice: false}, axis: stepAxis},
       y: {field: 'value', type: 'quantitative', scale: {domain: [flight.height_min_m, flight.height_max_m]}, axis: {title: 'Height (m)'}},
       ...agentLineEncoding(data, context, agentNames(flight)),
-      tooltip: [{field: 'agent', title: 'Agent'}, {field: 'step', title: 'Step'}, {field: 'value', title: 'Height (m)'}],
+      tooltip: [agentTip, {field: 'step', title: 'Step'}, {field: 'value', title: 'Height (m)'}],
     },
   };
 }
@@ -39,6 +40,7 @@ export function heightOverSteps(data, condition, context) {
 export function qosOverSteps(data, condition, context) {
   const {flight} = condition;
   return {
+    usermeta: {agents: agentNames(flight)},
     height: 280,
     data: {values: stepRows(data, flight, 'qos')},
     params: [pickInLegend],
@@ -51,7 +53,7 @@ export function qosOverSteps(data, condition, context) {
       y: {field: 'smooth', type: 'quantitative', scale: {zero: false}, axis: {title: qosTitle(condition)}},
       ...agentLineEncoding(data, context, agentNames(flight)),
       tooltip: [
-        {field: 'agent', title: 'Agent'}, {field: 'step', title: 'Step'},
+        agentTip, {field: 'step', title: 'Step'},
         {field: 'value', title: 'At this step', format: '.2f'}, {field: 'smooth', title: 'Mean of the last 10', format: '.2f'},
       ],
     },
@@ -83,6 +85,7 @@ export function heatMap(data, condition, context) {
     encoding: {x: {...x, field: 'step'}, y: {...y, field: 'value'}, ...encoding},
   });
   return {
+    usermeta: {agents: names},
     height: 320,
     layer: [
       {
@@ -137,8 +140,13 @@ export function cityMap(data, condition, context) {
   const at = {x: {...x, field: 'x_m'}, y: {...y, field: 'y_m'}};
   const stationTip = [{field: 'id', title: 'Base station'}, {field: 'x_m', title: 'x (m)', format: '.0f'}, {field: 'y_m', title: 'y (m)', format: '.0f'}];
   const plotWidth = context.width - 60;
+  const per_px = (frame.x[1] - frame.x[0]) / plotWidth;
+  const labelled = [];  // a base station that stands where the number of another one is written has its own in the tooltip
+  for (const station of serving)
+    if (labelled.every((other) => Math.abs(other.x_m - station.x_m) > 30 * per_px || Math.abs(other.y_m - station.y_m) > 16 * per_px)) labelled.push(station);
   const others = stations.filter((station) => !ids.includes(station.id) && inside(station.x_m, station.y_m, 0));
   return {
+    usermeta: {agents: [track.name]},
     height: Math.round(plotWidth * (frame.y[1] - frame.y[0]) / (frame.x[1] - frame.x[0])),
     layer: [
       {
@@ -167,11 +175,11 @@ export function cityMap(data, condition, context) {
         encoding: {...at, fill: cellColour, tooltip: stationTip},
       },
       {
-        data: {values: serving}, mark: {type: 'text', dy: -15, fontSize: 12, fontWeight: 600, color: surface.ink, stroke: surface.background, strokeWidth: 3},
+        data: {values: labelled}, mark: {type: 'text', dy: -15, fontSize: 12, fontWeight: 600, color: surface.ink, stroke: surface.background, strokeWidth: 3},
         encoding: {...at, text: {field: 'id'}},
       },
       {
-        data: {values: serving}, mark: {type: 'text', dy: -15, fontSize: 12, fontWeight: 600, color: surface.ink}, encoding: {...at, text: {field: 'id'}},
+        data: {values: labelled}, mark: {type: 'text', dy: -15, fontSize: 12, fontWeight: 600, color: surface.ink}, encoding: {...at, text: {field: 'id'}},
       },
     ],
     resolve: {scale: {color: 'independent', stroke: 'independent', fill: 'shared'}},
@@ -183,12 +191,14 @@ function learningRows(condition, context) {
   return {steps: condition.flight.step, learning: track.learning};
 }
 
-function singleCurve(condition, context, field, title, scale) {
+function singleCurve(data, condition, context, field, title, scale) {
   const {steps, learning} = learningRows(condition, context);
+  const [colour] = agentScales(data, context.theme, [context.learner]).colour.range;
   return {
+    usermeta: {agents: [context.learner]},
     height: 160,
     data: {values: learning[field].map((value, i) => ({step: steps[i], value})).filter((row) => row.value !== null && (scale.type !== 'log' || row.value > 0))},
-    mark: {type: 'line', strokeWidth: 2, color: context.theme === 'dark' ? '#ff8a3d' : '#d5500a'},
+    mark: {type: 'line', strokeWidth: 2, color: colour},
     encoding: {
       x: {field: 'step', type: 'quantitative', scale: {nice: false}, axis: stepAxis},
       y: {field: 'value', type: 'quantitative', scale, axis: {title, tickCount: 5, ...(scale.type === 'log' ? {format: '.0e'} : {})}},
@@ -198,11 +208,11 @@ function singleCurve(condition, context, field, title, scale) {
 }
 
 export function epsilonCurve(data, condition, context) {
-  return singleCurve(condition, context, 'epsilon', 'Exploration rate ε', {domain: [0, 1]});
+  return singleCurve(data, condition, context, 'epsilon', 'Exploration rate ε', {domain: [0, 1]});
 }
 
 export function lossCurve(data, condition, context) {
-  return singleCurve(condition, context, 'loss', 'Training loss', {type: 'log'});
+  return singleCurve(data, condition, context, 'loss', 'Training loss', {type: 'log'});
 }
 
 /** The network's value of each action at each step. */
@@ -211,6 +221,7 @@ export function qValueCurves(data, condition, context) {
   const actions = ['down', 'hold', 'up'];
   const dark = context.theme === 'dark';
   return {
+    usermeta: {agents: [context.learner]},
     height: 200,
     data: {values: actions.flatMap((action) => learning[`q_${action}`].map((value, i) => ({action, step: steps[i], value})))},
     mark: {type: 'line', strokeWidth: 1.8},

@@ -16,6 +16,23 @@ export function marked(data, name) {
   return mark === '' ? name : `${name} ${mark}`;
 }
 
+/** What an agent knows, in a word or two: the shape of its points says the same. */
+export function knows(data, name) {
+  return {full: 'own reports', half: 'site map', hollow: 'foresight'}[shapeOf(data, name)];
+}
+
+/** An agent's name in a row of a chart's data, with and without its mark. */
+export function named(data, name) {
+  return {agent: name, shown: marked(data, name)};
+}
+
+/** The lines under a chart of these agents that say what their marks mean; a chart of one agent says what that one sees. */
+export function tierNote(data, names) {
+  const tiers = data.privilege_tiers.filter((tier) => names.some((name) => tierOf(data, name) === tier));
+  if (names.length === 1) return [`${marked(data, names[0])} (${knows(data, names[0])}): sees ${tiers[0].sees}`];
+  return tiers.filter((tier) => tier.mark !== '').map((tier) => `${tier.mark} ${{half: 'site map', hollow: 'foresight'}[tier.shape]}: sees ${tier.sees}`);
+}
+
 /** The label of an axis or a legend of agents, as a Vega expression. */
 export function markedLabel(data) {
   const labels = Object.fromEntries(data.agents.map((agent) => [agent.name, marked(data, agent.name)]));

@@ -2,7 +2,7 @@
 
 import {h, table} from './dom.js';
 import {interval, number, percent, signed, signedInterval} from './format.js';
-import {marked, shapeOf} from './privilege.js';
+import {knows, marked, shapeOf} from './privilege.js';
 import {agentScales} from './theme.js';
 
 const verdicts = {
@@ -50,6 +50,7 @@ export function summaryTable(data, condition, context) {
   const gain = (agent) => agent.gain && agent.name !== 'min-height';
   return table([
     {title: 'Agent', header: true, text: (agent) => agentName(data, agent.name, context.theme)},
+    {title: 'Knows', text: (agent) => knows(data, agent.name)},
     {title: 'Trials', number: true, text: (agent) => String(agent.trials)},
     {title: `Mean (${condition.qos_unit})`, number: true, text: (agent) => number(agent.mean)},
     {title: '95 % interval', number: true, text: (agent) => interval(agent.ci95)},
@@ -72,6 +73,7 @@ export function publishedTable(data, context) {
   return table([
     {title: 'Condition', header: true, text: (row) => row.label},
     {title: 'Agent', text: (row) => agentName(data, row.agent, context.theme)},
+    {title: 'Knows', text: (row) => knows(data, row.agent)},
     {title: 'Quantity', text: (row) => (row.unit ? `${row.quantity} (${row.unit})` : row.quantity)},
     {title: 'Published', number: true, text: (row) => number(row.published, decimals(row)) + (row.plus_minus ? ` ± ${row.plus_minus}` : '')},
     {title: 'Ours', number: true, text: (row) => number(ours(row).value, 2)},

@@ -83,7 +83,7 @@ def test_types_of_columns(folder: Path) -> None:
         results.flights["height"]
 
 
-def test_to_pandas_and_polars(folder: Path) -> None:
+def test_to_pandas_and_polars(folder: Path, tmp_path: Path) -> None:
     table = aloft.read(folder).flights
     pandas = pytest.importorskip("pandas")
     frame = table.to_pandas()
@@ -94,6 +94,13 @@ def test_to_pandas_and_polars(folder: Path) -> None:
     polars = pytest.importorskip("polars")
     assert isinstance(table.to_polars(), polars.DataFrame)
     assert table.to_polars()["digest"].to_list() == table["digest"].tolist()
+    # What `aloft export --format parquet` says to do instead.
+    for columns in (table, aloft.read(folder).steps):
+        columns.to_polars().write_parquet(tmp_path / "table.parquet")
+        back = polars.read_parquet(tmp_path / "table.parquet")
+        assert back.columns == list(columns)
+        for name in columns:
+            assert np.array_equal(back[name].to_numpy(), columns[name], equal_nan=columns[name].dtype.kind == "f")
 
 
 def test_an_old_folder_is_read(aloft_program: str, tmp_path: Path) -> None:

@@ -424,6 +424,7 @@ test('wrong requests end with exit code 2, say what to do, and write nothing', (
     [['--format', 'tensorboard'], /--format tensorboard needs --out: the folder to write/],
     [['--format', 'tensorboard', '--out', scratch], /exists already; remove it, or choose another folder/],
     [['--format', 'tensorboard', '--out', join(out, 'x')], /cannot write .*No such file or directory/],
+    [['--flights', '--format', 'parquet'], /--format: Debian 12 and 13 have no library that writes Parquet .*to_polars\(\)\.write_parquet/],
     [['--flights', '--trial', '2'], /no such flight/],
     [['--flights', '--condition', 'x'], /--condition x: there is no such condition; use one of/],
     [['--flights', '--agents', 'random-walk'], /random-walk/],

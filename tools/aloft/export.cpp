@@ -64,6 +64,18 @@ std::vector<store::FlightSummary> selected(const store::ResultStore& results, co
   return flights;
 }
 
+/// Refuses Parquet with the reason, and says what to do instead.
+CLI::Validator no_parquet() {
+  return {[](const std::string& format) {
+            return format != "parquet"
+                       ? ""
+                       : "Debian 12 and 13 have no library that writes Parquet (Apache Arrow). In Python: "
+                         "aloft.read(\"DIR\").steps.to_polars().write_parquet(\"steps.parquet\"), "
+                         "and flights likewise; docs/export.md tells more";
+          },
+          ""};
+}
+
 int export_training(const ExportOptions& options) {
   if (options.format != "tensorboard")
     throw InputError(
@@ -106,6 +118,7 @@ void add_export(CLI::App& app, Job& job) {
   command->add_flag("--flights", options->flights, "One row per flight");
   command->add_flag("--steps", options->steps, "One row per step of every flight");
   add_format(*command, options->format, {"csv", "json", "mcap", "tensorboard"});
+  command->get_option("--format")->transform(no_parquet());  // asked before the list of formats
   command->add_option("--out", options->out,
                       "The file (mcap) or new folder (tensorboard) to write; rows go to standard output");
   command->add_option("--condition", options->condition, "Only flights of this condition: its index or name");

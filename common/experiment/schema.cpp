@@ -50,14 +50,25 @@ Json world_schema(const char* kind, std::span<const ParameterSpec> table) {
   return {{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
 }
 
-/// A world has the parameters of its own channel model alone.
+/// A value of this key that is one of `words`, or a list of such.
+Json one_of_these(const char* key, const std::vector<std::string>& words) {
+  const Json one{{"enum", words}};
+  return {{"properties", {{key, {{"anyOf", Json::array({one, Json{{"type", "array"}, {"items", one}}})}}}}}};
+}
+
+/// A world has the parameters of its own channel model alone: of the one it names, or that of its preset.
 Json channel_model_rules() {
   Json rules = Json::array();
   for (const radio::LinkModelType& model : radio::link_model_types()) {
-    const Json name{{"const", model.name}};
-    Json chosen{
-        {"properties", {{"propagation", {{"anyOf", Json::array({name, Json{{"type", "array"}, {"items", name}}})}}}}}};
-    if (model.name != radio::default_link_model) chosen["required"] = Json::array({"propagation"});
+    if (model.parameters.empty()) continue;
+    Json named = one_of_these("propagation", {model.name});
+    named["required"] = Json::array({"propagation"});
+    const std::vector<std::string> presets = radio::presets_with(model);
+    Json of_preset = one_of_these("preset", presets);
+    of_preset["not"] = {{"required", Json::array({"propagation"})}};
+    if (model.name != radio::default_link_model) of_preset["required"] = Json::array({"preset"});
+    Json chosen{{"anyOf", Json::array({std::move(named)})}};
+    if (!presets.empty()) chosen["anyOf"].push_back(std::move(of_preset));
     Json own = Json::object();
     for (const ParameterSpec& spec : model.parameters) own[spec.name] = false;
     rules.push_back({{"if", std::move(chosen)}, {"else", {{"properties", std::move(own)}}}});

@@ -57,6 +57,8 @@ Mismatches differences_of(const Parameters& world) {
   nlohmann::json expected = published.to_json();
   here["propagation"] = world.text("propagation");
   expected["propagation"] = published.text("propagation");
+  here["spectral_efficiency_max"] = world.number("spectral_efficiency_max");
+  expected["spectral_efficiency_max"] = published.number("spectral_efficiency_max");
   for (const auto& [key, value] : expected.items())  // another channel model has other parameters
     if (std::ranges::find(elsewhere, key) == elsewhere.end() && here.contains(key) && here.at(key) != value)
       differences.push_back({.what = key, .expected = value.dump(), .value = here.at(key).dump()});

@@ -51,6 +51,9 @@ TEST_CASE("worlds like those of training give no warning, others name every diff
   CHECK(geometric[0].agent == "pretrained");
   CHECK_THAT(geometric[0].text, Contains("los_ray \"geometric\" instead of \"published\"") &&
                                     Contains("building_height_distribution") && !Contains("preset"));
+  const auto capped = warnings(over(R"({"spectral_efficiency_max": 7.4})"));
+  REQUIRE(capped.size() == 1);
+  CHECK_THAT(capped[0].text, Contains("spectral_efficiency_max 7.4 instead of 0"));
   const auto dense = warnings(over(R"({"bs_density_per_km2": [5, 8], "height_max_m": 120})"));
   REQUIRE(dense.size() == 2);
   CHECK_THAT(dense[0].text, Contains("bs_density_per_km2=5") && Contains("height_max_m 120 instead of 240"));

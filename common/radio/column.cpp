@@ -45,7 +45,7 @@ void ColumnBuilder::sum_candidates(std::uint32_t point, world::Position position
   sum.assign(heights_, 0.0);
   for (std::uint32_t rank = 0; rank < scene_.serving_candidates(); ++rank)
     for (std::uint32_t i = 0; i < heights_; ++i) sum[i] += sinr_[std::size_t{rank} * width_ + i];
-  spectral_efficiency_row(sum, efficiency);
+  spectral_efficiency_row(sum, scene_.model().efficiency_max, efficiency);
 }
 
 void ColumnBuilder::compute_sinrs(std::uint32_t point, world::Position position) {
@@ -207,7 +207,7 @@ std::vector<Reading> ColumnBuilder::choose_serving() {
 
   std::vector<Reading> readings(heights_);
   std::vector<double> efficiency(heights_);
-  spectral_efficiency_row(std::span(chosen).first(heights_), efficiency.data());
+  spectral_efficiency_row(std::span(chosen).first(heights_), scene_.model().efficiency_max, efficiency.data());
   decibel_row(chosen, chosen.data());
   for (std::uint32_t i = 0; i < heights_; ++i) {
     const auto serving = static_cast<std::size_t>(serving_rank_[i]);

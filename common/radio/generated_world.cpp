@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "common/base/error.hpp"
@@ -38,6 +40,28 @@ struct Preset {
   Json changes;
 };
 
+/// To four digits.
+double watts(double power_dbm) {
+  return std::round(1e4 * std::pow(10.0, power_dbm / 10.0 - 3.0)) / 1e4;
+}
+
+/// A network as 3GPP assumes it for studies of UAVs: as many sites per km2 as a hexagonal grid with this distance of
+/// sites has, 10 MHz, long-term averages instead of fast fading, 256-QAM at most (TS 38.214 Table 5.1.3.1-2: 8 bit at a
+/// code rate of 948/1024).
+Json network(std::string_view model, double site_distance_m, const Json& changes) {
+  const double site_km2 = 0.5 * std::numbers::sqrt3 * site_distance_m * site_distance_m / 1e6;
+  Json all{{"propagation", model},
+           {"bs_density_per_km2", std::round(1e4 / site_km2) / 1e4},
+           {"building_density_per_km2", 0.0},
+           {"fading", "none"},
+           {"height_max_m", 300.0},
+           {"bandwidth_mhz", 10.0},
+           {"noise_figure_db", 9.0},
+           {"spectral_efficiency_max", 7.4063}};
+  all.update(changes);
+  return all;
+}
+
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> all{
       {"published", Json::object()},
@@ -54,8 +78,21 @@ const std::vector<Preset>& presets() {
         {"building_height_mean_m", 25.0663},  // of a Rayleigh distribution with scale 20 m
         {"fading", "correlated"},
         {"fading_correlation", 1.0}}},
+      {"3gpp-uma", network("uma-av", 500.0, {{"tx_power_w", watts(46.0)}})},
+      {"3gpp-umi", network("umi-av", 200.0, {{"tx_power_w", watts(41.0)}, {"window_m", 2000.0}})},
+      {"3gpp-rma",
+       network("rma-av", 1732.0, {{"tx_power_w", watts(46.0)}, {"window_m", 8000.0}, {"carrier_ghz", 0.7}})},
   };
   return all;
+}
+
+const Preset& preset_named(std::string_view name) {
+  return *std::ranges::find(presets(), name, &Preset::name);
+}
+
+/// The channel model of worlds that name none.
+std::string model_of(const Preset& preset) {
+  return preset.changes.value("propagation", std::string(default_link_model));
 }
 
 ParameterSpec preset_parameter() {
@@ -89,12 +126,11 @@ std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
   return all;
 }
 
-/// The preset's changes to those parameters that the table has.
-Json preset_defaults(const std::string& name, std::span<const ParameterSpec> table) {
-  const auto preset = std::ranges::find_if(presets(), [&](const Preset& p) { return p.name == name; });
-  Json defaults = Json::object();
+/// The changes of the model and the preset to those parameters that the table has; the preset's last.
+Json defaults_of(const LinkModelType& model, const Preset& preset, std::span<const ParameterSpec> table) {
+  Json defaults = model.defaults;
   for (const ParameterSpec& spec : table)
-    if (preset->changes.contains(spec.name)) defaults[spec.name] = preset->changes[spec.name];
+    if (preset.changes.contains(spec.name)) defaults[spec.name] = preset.changes[spec.name];
   return defaults;
 }
 
@@ -165,13 +201,23 @@ std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model
   return table_with(std::span(&model, 1));
 }
 
+std::vector<std::string> presets_with(const LinkModelType& model) {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets())
+    if (model_of(preset) == model.name) names.push_back(preset.name);
+  return names;
+}
+
 Parameters resolve_generated_world(const Json& given, std::string_view where) {
   // Reports every error in what was given before the preset is merged into it.
   const Parameters checked(generated_world_parameters(), given, where);
-  const LinkModelType& model = link_model_type(checked.text("propagation"));
-  const std::vector<ParameterSpec> table = generated_world_parameters(model);
-  Json merged = model.defaults;
-  merged.update(preset_defaults(checked.text("preset"), table));
+  const Preset& preset = preset_named(checked.text("preset"));
+  const LinkModelType& model =
+      link_model_type(given.contains("propagation") ? checked.text("propagation") : model_of(preset));
+  std::vector<ParameterSpec> table = generated_world_parameters(model);
+  Json merged = defaults_of(model, preset, table);
+  for (ParameterSpec& spec : table)  // where the preset says otherwise, the table's default must be written
+    if (merged.contains(spec.name)) spec.default_is_implied = false;
   merged.update(given);
   if (!merged.contains("route_offset_max_m"))
     merged["route_offset_max_m"] = std::min(1000.0, checked.number("height_step_m"));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,9 @@ struct LinkModelType;
 [[nodiscard]] const std::vector<ParameterSpec>& generated_world_parameters();
 /// The parameters of a generated world with this channel model.
 [[nodiscard]] std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model);
+
+/// The presets whose worlds have this channel model, unless they name another one.
+[[nodiscard]] std::vector<std::string> presets_with(const LinkModelType& model);
 
 /// A generated world's parameters from a JSON object of overrides: `preset` changes the defaults, every other key
 /// overrides them. Parameters of channel models other than `propagation` are unknown keys. Resolving the result's

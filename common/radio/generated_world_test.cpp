@@ -49,11 +49,38 @@ TEST_CASE("a preset changes the defaults, and given keys override it") {
 }
 
 TEST_CASE("resolving a resolved world gives the same world") {
-  for (const char* preset : {"published", "paper-text", "geometric"}) {
-    const Parameters world =
-        radio::resolve_generated_world({{"preset", preset}, {"height_step_m", 20}, {"candidates", 6}}, "world");
-    CHECK(radio::resolve_generated_world(world.to_json(), "world").to_json() == world.to_json());
-  }
+  for (const char* preset : {"published", "paper-text", "geometric", "3gpp-uma", "3gpp-umi", "3gpp-rma"})
+    for (const json& given : {json{{"height_step_m", 20}, {"candidates", 6}, {"height_max_m", 240}},
+                              json{{"propagation", "power-law"}}, json{{"spectral_efficiency_max", 0}}}) {
+      json all = given;
+      all["preset"] = preset;
+      const Parameters world = radio::resolve_generated_world(all, "world");
+      const Parameters again = radio::resolve_generated_world(world.to_json(), "world");
+      CHECK(again.to_json() == world.to_json());
+      CHECK(again.text("propagation") == world.text("propagation"));
+      CHECK(again.number("spectral_efficiency_max") == world.number("spectral_efficiency_max"));
+    }
+}
+
+TEST_CASE("the presets of 3GPP have its channel models, and as many sites as a hexagonal grid") {
+  const auto resolved = [](const char* preset) {
+    return radio::resolve_generated_world({{"preset", preset}}, "world");
+  };
+  const Parameters urban = resolved("3gpp-uma");
+  CHECK(urban.text("propagation") == "uma-av");
+  CHECK(urban.number("base_station_height_m") == 25.0);
+  CHECK(urban.number("bs_density_per_km2") == Approx(4.6188).margin(1e-4));  // 1 / (500 m x 433.0 m)
+  CHECK(urban.number("tx_power_w") == Approx(39.81).margin(1e-2));           // 46 dBm
+  CHECK(urban.number("carrier_ghz") == 2.0);
+  CHECK(urban.number("spectral_efficiency_max") == Approx(8.0 * 948 / 1024).margin(1e-4));
+  const Parameters micro = resolved("3gpp-umi");
+  CHECK(micro.text("propagation") == "umi-av");
+  CHECK(micro.number("bs_density_per_km2") == Approx(28.8675).margin(1e-4));
+  CHECK(micro.number("tx_power_w") == Approx(12.589).margin(1e-3));  // 41 dBm
+  const Parameters rural = resolved("3gpp-rma");
+  CHECK(rural.text("propagation") == "rma-av");
+  CHECK(rural.number("bs_density_per_km2") == Approx(0.38493).margin(1e-4));
+  CHECK(rural.number("carrier_ghz") == 0.7);
 }
 
 TEST_CASE("the route's largest offset follows the height step unless it is given") {

@@ -34,8 +34,9 @@ template <BsAntenna antenna>
   for (std::size_t i = 0; i < size; ++i) out[i] = -natural_log(unit_interval(words[i]));
 }
 
-[[gnu::always_inline]] inline void spectral_efficiency_loop(const double* sinr, std::size_t size, double* out) {
-  for (std::size_t i = 0; i < size; ++i) out[i] = spectral_efficiency(sinr[i]);
+[[gnu::always_inline]] inline void spectral_efficiency_loop(const double* sinr, std::size_t size, double most,
+                                                            double* out) {
+  for (std::size_t i = 0; i < size; ++i) out[i] = spectral_efficiency(sinr[i], most);
 }
 
 [[gnu::always_inline]] inline void decibel_loop(const double* sinr, std::size_t size, double* out) {
@@ -173,8 +174,8 @@ void exponential_row(std::span<const std::uint32_t> words, double* out) {
   run_vectorised<exponential_loop>(words.data(), words.size(), out);
 }
 
-void spectral_efficiency_row(std::span<const double> sinr, double* out) {
-  run_vectorised<spectral_efficiency_loop>(sinr.data(), sinr.size(), out);
+void spectral_efficiency_row(std::span<const double> sinr, double most, double* out) {
+  run_vectorised<spectral_efficiency_loop>(sinr.data(), sinr.size(), most, out);
 }
 
 void decibel_row(std::span<const double> sinr, double* out) {

@@ -47,7 +47,7 @@ void add_interference(std::span<const double* const> power_w, const double* dist
 /// An Exp(1) number from each random word, by inversion.
 void exponential_row(std::span<const std::uint32_t> words, double* out);
 
-void spectral_efficiency_row(std::span<const double> sinr, double* out);
+void spectral_efficiency_row(std::span<const double> sinr, double most, double* out);
 void decibel_row(std::span<const double> sinr, double* out);
 
 }  // namespace aloft::radio

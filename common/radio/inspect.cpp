@@ -56,7 +56,7 @@ class Explainer {
       if (other.may_serve && other.sinr > serving->sinr) serving = &other;
     result.serving_cell = serving->station;
     result.serving_sinr_db = serving->sinr_db;
-    result.spectral_efficiency = spectral_efficiency(serving->sinr);
+    result.spectral_efficiency = spectral_efficiency(serving->sinr, scene_.model().efficiency_max);
     return result;
   }
 

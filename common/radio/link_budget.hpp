@@ -86,9 +86,10 @@ inline constexpr double bound_rounding = 1.0 + 1e-9;
   return along_m > model.bs_half_beam_cos * link.distance_m;
 }
 
-/// Spectral efficiency in bit/s/Hz: log2(1 + SINR), Shannon.
-[[gnu::always_inline]] inline double spectral_efficiency(double sinr) noexcept {
-  return natural_log(1.0 + sinr) * (1.0 / std::numbers::ln2);
+/// Spectral efficiency in bit/s/Hz: log2(1 + SINR), Shannon, but no more than `most`.
+[[gnu::always_inline]] inline double spectral_efficiency(double sinr, double most) noexcept {
+  const double shannon = natural_log(1.0 + sinr) * (1.0 / std::numbers::ln2);
+  return shannon < most ? shannon : most;
 }
 
 /// 10 log10(SINR), at least -200 dB: the power can be zero in the nulls of an array.

@@ -1,6 +1,7 @@
 #include "common/radio/link_budget.hpp"
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
@@ -13,6 +14,8 @@ using namespace aloft::radio;
 using nlohmann::json;
 
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 RadioModel model_of(const json& given = json::object()) {
   return RadioModel(resolve_generated_world(given, "world"));
@@ -96,8 +99,10 @@ TEST_CASE("azimuths within half the beam interfere") {
 }
 
 TEST_CASE("spectral efficiency and decibels") {
-  CHECK(spectral_efficiency(0.0) == 0.0);
-  CHECK(spectral_efficiency(1023.0) == Approx(10.0).epsilon(1e-14));
+  CHECK(spectral_efficiency(0.0, infinity) == 0.0);
+  CHECK(spectral_efficiency(1023.0, infinity) == Approx(10.0).epsilon(1e-14));
+  CHECK(spectral_efficiency(1023.0, 7.4) == 7.4);
+  CHECK(spectral_efficiency(3.0, 7.4) == Approx(2.0).epsilon(1e-14));
   CHECK(decibel(100.0) == Approx(20.0).epsilon(1e-14));
   CHECK(decibel(0.0) == Approx(-200.0).epsilon(1e-14));
 }
@@ -137,10 +142,10 @@ TEST_CASE("rows have the same bits as the formulas, whatever the vector width") 
     for (double& x : sinr) x *= 1e12;
     std::vector<double> efficiency(sinr.size());
     std::vector<double> db(sinr.size());
-    spectral_efficiency_row(sinr, efficiency.data());
+    spectral_efficiency_row(sinr, infinity, efficiency.data());
     decibel_row(sinr, db.data());
     for (std::size_t i = 0; i < sinr.size(); ++i) {
-      CHECK(efficiency[i] == spectral_efficiency(sinr[i]));
+      CHECK(efficiency[i] == spectral_efficiency(sinr[i], infinity));
       CHECK(db[i] == decibel(sinr[i]));
     }
   }

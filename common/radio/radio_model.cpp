@@ -1,6 +1,7 @@
 #include "common/radio/radio_model.hpp"
 
 #include <array>
+#include <limits>
 #include <numbers>
 
 #include "common/radio/approximations.hpp"
@@ -18,6 +19,12 @@ constexpr std::array<Choice<FadingKind>, 3> fading_kinds{
     {{"independent", FadingKind::independent}, {"none", FadingKind::none}, {"correlated", FadingKind::correlated}}};
 constexpr std::array<Choice<ServingSelection>, 2> serving_selections{
     {{"best-of-candidates", ServingSelection::best_of_candidates}, {"best-of-all", ServingSelection::best_of_all}}};
+
+/// A parameter that worlds from before it existed do not name.
+ParameterSpec implied(ParameterSpec spec) {
+  spec.default_is_implied = true;
+  return spec;
+}
 
 double power_to(double base, double exponent) noexcept {
   return base == 0.0 ? 0.0 : exp2(exponent * natural_log(base) / std::numbers::ln2);
@@ -64,6 +71,8 @@ const std::vector<ParameterSpec>& radio_parameters() {
       number_parameter("carrier_ghz", 3.5, 0.1, 100.0, "Carrier frequency."),
       number_parameter("bandwidth_mhz", 20.0, 0.1, 2000.0, "Bandwidth that noise is counted in."),
       number_parameter("noise_figure_db", 10.0, 0.0, 30.0, "Noise figure of the receiver."),
+      implied(number_parameter("spectral_efficiency_max", 0.0, 0.0, 50.0,
+                               "Greatest spectral efficiency, bit/s/Hz, of the highest modulation; 0: no limit.")),
   };
   return table;
 }
@@ -77,7 +86,9 @@ RadioModel::RadioModel(const Parameters& world)
       neighbours(static_cast<std::uint32_t>(world.integer("neighbours"))),
       interferer_distance_max_m(world.number("interferer_distance_max_m")),
       noise_w(noise_power_w(world.number("bandwidth_mhz") * 1e6, world.number("noise_figure_db"))),
+      efficiency_max(world.number("spectral_efficiency_max")),
       fading_correlation(power_to(world.number("fading_correlation"), world.number("height_resolution_m"))) {
+  if (efficiency_max == 0.0) efficiency_max = std::numeric_limits<double>::infinity();
   constexpr double rad_per_deg = std::numbers::pi / 180.0;
   const double uav_beamwidth_deg = world.number("uav_beamwidth_deg");
   const double bs_beamwidth_deg = world.number("bs_beamwidth_deg");

@@ -30,6 +30,7 @@ struct RadioModel {
   double link_gain_w;         ///< transmit power x UAV antenna gain x near-field gain: power at 1 m without the base
                               ///< station's antenna
   double noise_w;             ///< thermal noise in the band, with the noise figure
+  double efficiency_max;      ///< cap on spectral efficiency, bit/s/Hz; infinity if there is none
   double sector_gain;         ///< gain inside a base station's rectangular sector; outside it is 0
   double fading_correlation;  ///< of the amplitudes at adjacent heights of the table
   double uav_half_beam_cos;   ///< cosine and tangent of half the beamwidth

@@ -94,7 +94,7 @@ Reading SpotBuilder::choose_serving() {
   Reading reading;
   reading.serving_cell = static_cast<std::int32_t>(ranked_[static_cast<std::size_t>(serving - sinr_.begin())]);
   reading.neighbour_count = std::min<std::uint32_t>(scene_.model().neighbours, scene_.reported_stations() - 1);
-  spectral_efficiency_row({&*serving, 1}, &reading.qos);
+  spectral_efficiency_row({&*serving, 1}, scene_.model().efficiency_max, &reading.qos);
   std::iter_swap(sinr_.begin(), serving);
   const auto end = sinr_.begin() + 1 + reading.neighbour_count;
   std::partial_sort(sinr_.begin() + 1, end, sinr_.end(), std::greater());

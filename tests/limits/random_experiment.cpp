@@ -102,7 +102,9 @@ Json generated_world(Draw& draw, bool small) {
   const radio::LinkModelType& model = models[draw.below(models.size())];
   Json world = draw.some_of(radio::generated_world_parameters(model), draw.one_of<double>({0.05, 0.3}));
   world["propagation"] = model.name;
-  if (model.name == radio::default_link_model && draw.chance(0.5)) world.erase("propagation");
+  const auto presets = radio::presets_with(model);
+  const bool implied = std::ranges::find(presets, world.value("preset", "published")) != presets.end();
+  if (implied && draw.chance(0.5)) world.erase("propagation");
   put_heights(draw, small, model, world);
   put_route(draw, small, model, world);
   if (model.check) world["carrier_ghz"] = draw.between(0.7, 30);

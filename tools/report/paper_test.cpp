@@ -49,6 +49,8 @@ TEST_CASE("The paper's worlds are its five pairs of densities with all of its se
   other.world_parameters["steps"] = 50;
   CHECK_THAT(why_not_the_papers(other),
              Contains("uav_beamwidth_deg 60 instead of 45") && Contains("steps 50 instead of 100"));
+  other.world_parameters["spectral_efficiency_max"] = 7.4;
+  CHECK_THAT(why_not_the_papers(other), Contains("spectral_efficiency_max 7.4 instead of 0"));
   other = condition(1, 200, {});
   other.world_parameters["preset"] = "geometric";  // a name; the switches behind it count
   CHECK(why_not_the_papers(other) == "");

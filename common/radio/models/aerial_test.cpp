@@ -210,6 +210,32 @@ TEST_CASE("worlds of TR 36.777 have its base stations, and what it does not cove
   CHECK_THAT(refused("umi-av", "window_m", 6000), Contains("world.window_m: links up to 46") && Contains("4000 m"));
   CHECK(refused("rma-av", "window_m", 6000) == "accepted");
   CHECK_THAT(refused("uma-av", "los_ray", 1), Contains("world.los_ray"));
+  CHECK_THAT(error_of({{"preset", "3gpp-uma"}, {"los_ray", "geometric"}}), Contains("world.los_ray: unknown key"));
+}
+
+TEST_CASE("spectral efficiency ends where a world's highest modulation does, SINR does not") {
+  const json near{{"propagation", "uma-av"}, {"bs_density_per_km2", 1}, {"fading", "none"}};
+  json capped = near;
+  capped["spectral_efficiency_max"] = 7.4;
+  const Parameters world = radio::resolve_generated_world(near, "world");
+  const Parameters limited = radio::resolve_generated_world(capped, "world");
+  const world::City city = world::generate_city(world, 5, 0);
+  const auto map = radio::make_generated_map(world, city, 5, 0);
+  const auto limited_map = radio::make_generated_map(limited, city, 5, 0);
+  const auto limited_spots = radio::make_generated_map(limited, city, 5, 0);
+  int reached = 0;
+  for (std::uint32_t point = 0; point <= 100; point += 10) {
+    const world::Position place = map->advance(point, {}, -1);
+    const auto& free = map->column(point, place);
+    const auto& column = limited_map->column(point, place);
+    for (std::uint32_t i = 0; i < free.size(); i += 50) {
+      CHECK(column[i].qos == std::min(free[i].qos, 7.4));
+      CHECK(column[i].serving_sinr_db == free[i].serving_sinr_db);
+      CHECK(limited_spots->reading(point, place, i).qos == column[i].qos);
+      if (free[i].qos > 7.4) ++reached;
+    }
+  }
+  CHECK(reached > 0);
 }
 
 TEST_CASE("what is to be expected by a site map is line of sight and the mean path loss") {

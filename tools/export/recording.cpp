@@ -131,6 +131,7 @@ class Recording {
 
   void write_way(const Flown& flown) {
     std::vector<foxglove::Point3> way;
+    way.reserve(flown.record.steps.size());
     for (const flight::StepRecord& step : flown.record.steps)
       way.push_back(point(world_.position(step), step.height_m));
     const Track& track = tracks_.at(flown.agent->name);

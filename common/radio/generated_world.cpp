@@ -45,12 +45,12 @@ double watts(double power_dbm) {
   return std::round(1e4 * std::pow(10.0, power_dbm / 10.0 - 3.0)) / 1e4;
 }
 
-/// A network as 3GPP assumes it for studies of UAVs: as many sites per km2 as a hexagonal grid with this distance of
-/// sites has, 10 MHz, long-term averages instead of fast fading, 256-QAM at most (TS 38.214 Table 5.1.3.1-2: 8 bit at a
-/// code rate of 948/1024).
+/// A network as 3GPP assumes it for studies of UAVs: a hexagonal grid with this distance of sites, 10 MHz, long-term
+/// averages instead of fast fading, 256-QAM at most (TS 38.214 Table 5.1.3.1-2: 8 bit at a code rate of 948/1024).
 Json network(std::string_view model, double site_distance_m, const Json& changes) {
   const double site_km2 = 0.5 * std::numbers::sqrt3 * site_distance_m * site_distance_m / 1e6;
   Json all{{"propagation", model},
+           {"deployment", "hexagonal"},
            {"bs_density_per_km2", std::round(1e4 / site_km2) / 1e4},
            {"building_density_per_km2", 0.0},
            {"fading", "none"},
@@ -183,6 +183,11 @@ void check_route_and_stations(const Parameters& world, std::string_view where) {
                       world.integer("min_base_stations"), world.integer("candidates"), world.integer("neighbours"),
                       needed));
   const double enough = world::probability_of_enough_stations(world);
+  require(
+      enough > 0.0, where, "min_base_stations",
+      fmt::format("{} is more than a hexagonal grid with bs_density_per_km2 {} has in window_m {}; raise the density "
+                  "or the window, or ask for fewer",
+                  world.integer("min_base_stations"), world.number("bs_density_per_km2"), world.number("window_m")));
   require(enough >= least_probability_of_enough, where, "min_base_stations",
           fmt::format("only one in {:.0g} cities has {} or more base stations with bs_density_per_km2 {} and window_m "
                       "{}; raise the density or the window, or ask for fewer",

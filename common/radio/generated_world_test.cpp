@@ -50,24 +50,27 @@ TEST_CASE("a preset changes the defaults, and given keys override it") {
 
 TEST_CASE("resolving a resolved world gives the same world") {
   for (const char* preset : {"published", "paper-text", "geometric", "3gpp-uma", "3gpp-umi", "3gpp-rma"})
-    for (const json& given : {json{{"height_step_m", 20}, {"candidates", 6}, {"height_max_m", 240}},
-                              json{{"propagation", "power-law"}}, json{{"spectral_efficiency_max", 0}}}) {
+    for (const json& given :
+         {json{{"height_step_m", 20}, {"candidates", 6}, {"height_max_m", 240}}, json{{"propagation", "power-law"}},
+          json{{"spectral_efficiency_max", 0}}, json{{"deployment", "poisson"}}}) {
       json all = given;
       all["preset"] = preset;
       const Parameters world = radio::resolve_generated_world(all, "world");
       const Parameters again = radio::resolve_generated_world(world.to_json(), "world");
       CHECK(again.to_json() == world.to_json());
       CHECK(again.text("propagation") == world.text("propagation"));
+      CHECK(again.text("deployment") == world.text("deployment"));
       CHECK(again.number("spectral_efficiency_max") == world.number("spectral_efficiency_max"));
     }
 }
 
-TEST_CASE("the presets of 3GPP have its channel models, and as many sites as a hexagonal grid") {
+TEST_CASE("the presets of 3GPP have its channel models, and its hexagonal grids of sites") {
   const auto resolved = [](const char* preset) {
     return radio::resolve_generated_world({{"preset", preset}}, "world");
   };
   const Parameters urban = resolved("3gpp-uma");
   CHECK(urban.text("propagation") == "uma-av");
+  CHECK(urban.text("deployment") == "hexagonal");
   CHECK(urban.number("base_station_height_m") == 25.0);
   CHECK(urban.number("bs_density_per_km2") == Approx(4.6188).margin(1e-4));  // 1 / (500 m x 433.0 m)
   CHECK(urban.number("tx_power_w") == Approx(39.81).margin(1e-2));           // 46 dBm
@@ -107,6 +110,9 @@ TEST_CASE("wrong worlds are refused with path, value and what is allowed") {
   CHECK_THAT(error_of({{"bs_density_per_km2", 0.1}, {"window_m", 2000}}),
              Contains("world.min_base_stations: only one in") && Contains("cities has 6 or more base stations"));
   CHECK(error_of({{"bs_density_per_km2", 0.1}}) == "accepted");
+  CHECK_THAT(error_of({{"bs_density_per_km2", 0.6}, {"deployment", "hexagonal"}}),
+             Contains("world.min_base_stations: 6 is more than a hexagonal grid"));
+  CHECK(error_of({{"bs_density_per_km2", 0.7}, {"deployment", "hexagonal"}}) == "accepted");
   CHECK_THAT(error_of({{"height_min_m", 20}}), Contains("world.height_min_m") && Contains("base_station_height_m 30"));
   CHECK_THAT(error_of({{"steps", 300}}), Contains("world.route_start_x_m") && Contains("leaves the city"));
   CHECK_THAT(error_of({{"candidates", 10}}), Contains("world.min_base_stations") && Contains("at least 10"));

@@ -82,6 +82,37 @@ TEST_CASE("base stations are Poisson in number and uniform in place") {
   CHECK(xy / sum / 750'000.0 == Approx(0.0).margin(0.012));
 }
 
+TEST_CASE("base stations on a hexagonal grid have six neighbours at equal distances, and the grid is shifted") {
+  CHECK(world::hexagonal_distance_m(4.6188) == Approx(500.0).epsilon(1e-5));
+  CHECK(world::hexagonal_distance_m(0.38493) == Approx(1732.0).epsilon(1e-4));
+  const Parameters world = parameters({{"bs_density_per_km2", 4.6188}, {"deployment", "hexagonal"}});
+  const double distance_m = world::hexagonal_distance_m(4.6188);
+  double count = 0.0;
+  double x_m = 0.0;
+  const int trials = 500;
+  for (std::uint32_t trial = 0; trial < trials; ++trial) {
+    const world::City city = world::generate_city(world, 1, trial);
+    count += static_cast<double>(city.base_stations.size());
+    for (const world::Position& station : city.base_stations) {
+      REQUIRE((std::fabs(station.x_m) <= 1500.0 && std::fabs(station.y_m) <= 1500.0));
+      x_m += station.x_m;
+      if (std::fabs(station.x_m) > 1500.0 - distance_m || std::fabs(station.y_m) > 1500.0 - distance_m) continue;
+      int neighbours = 0;
+      for (const world::Position& other : city.base_stations) {
+        const double apart_m = std::hypot(other.x_m - station.x_m, other.y_m - station.y_m);
+        if (apart_m > 0.0 && apart_m < 1.5 * distance_m) {
+          REQUIRE(apart_m == Approx(distance_m));
+          ++neighbours;
+        }
+      }
+      REQUIRE(neighbours == 6);
+    }
+  }
+  // 9 km2 x 4.6188; the count of a trial varies by a few at the edges.
+  CHECK(count / trials == Approx(41.57).margin(0.4));
+  CHECK(x_m / count == Approx(0.0).margin(25.0));
+}
+
 TEST_CASE("cities with too few base stations are drawn again") {
   const Parameters world = parameters({{"bs_density_per_km2", 0.5}});  // mean 4.5, at least 6
   double sum = 0.0;

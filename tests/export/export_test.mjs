@@ -446,5 +446,8 @@ test('wrong requests end with exit code 2, say what to do, and write nothing', (
     assert.equal(status, 2, given.join(' '));
     assert.match(stderr, message);
   }
+  const long = join(scratch, 'long.log');
+  writeFileSync(long, 'a'.repeat(1e6));
+  assert.equal(run('export', long, '--format', 'tensorboard', '--out', out).status, 2);
   assert.deepEqual(readdirSync(scratch).filter((name) => name.startsWith('refused')), []);
 });

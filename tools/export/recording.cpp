@@ -56,11 +56,10 @@ struct Track {
   std::uint16_t step;
 };
 
-/// A flight while its world is written.
+/// A flight of the world that is written.
 struct Flown {
   const agents::AgentSpec* agent;
   flight::FlightRecord record;
-  std::size_t next = 0;  // index of the step that comes next
 };
 
 class Recording {
@@ -99,11 +98,15 @@ class Recording {
       flown.push_back({&experiment_.agent(flight.key.agent), store::decode_trace(results_.trace(flight.key))});
     put(world_channel_, begin_ns_, world_scene(world_, facts(), begin_ns_));
     for (const Flown& one : flown) write_way(one);
+    std::size_t rows = 0;
     std::uint32_t last = 0;
-    for (const Flown& one : flown) last = std::max(last, one.record.steps.back().step);
-    for (std::uint32_t step = 1; step <= last; ++step)
-      for (Flown& one : flown)
-        if (one.next < one.record.steps.size() && one.record.steps[one.next].step == step) write_step(one);
+    for (const Flown& one : flown) {
+      rows = std::max(rows, one.record.steps.size());
+      last = std::max(last, one.record.steps.back().step);
+    }
+    for (std::size_t row = 0; row < rows; ++row)
+      for (const Flown& one : flown)
+        if (row < one.record.steps.size()) write_step(one, row);
     begin_ns_ += (last + 1) * step_ns_;
   }
 
@@ -138,8 +141,8 @@ class Recording {
     put(track.scene, begin_ns_, flight_scene(way, track.colour, begin_ns_));
   }
 
-  void write_step(Flown& flown) {
-    const flight::StepRecord& step = flown.record.steps[flown.next];
+  void write_step(const Flown& flown, std::size_t row) {
+    const flight::StepRecord& step = flown.record.steps[row];
     const Track& track = tracks_.at(flown.agent->name);
     const std::uint64_t time_ns = begin_ns_ + step.step * step_ns_;
     put(track.scene, time_ns, step_scene(world_, step, flown.agent->name, track.colour, time_ns));
@@ -152,12 +155,11 @@ class Recording {
     fix.set_frame_id(frame);
     *fix.mutable_color() = track.colour;
     put(track.location, time_ns, fix);
-    put(track.step, time_ns, step_message(flown, time_ns));
-    ++flown.next;
+    put(track.step, time_ns, step_message(flown, row, time_ns));
   }
 
-  [[nodiscard]] Step step_message(const Flown& flown, std::uint64_t time_ns) const {
-    const flight::StepRecord& step = flown.record.steps[flown.next];
+  [[nodiscard]] Step step_message(const Flown& flown, std::size_t row, std::uint64_t time_ns) const {
+    const flight::StepRecord& step = flown.record.steps[row];
     Step message;
     *message.mutable_timestamp() = timestamp(time_ns);
     message.set_condition(condition_->name);
@@ -174,7 +176,7 @@ class Recording {
     message.set_qos(step.qos);
     message.set_qos_unit(std::string(experiment::qos_unit(condition_->kind)));
     message.set_reward(step.reward);
-    message.set_energy_j(flown.record.step_energy_j(flown.next, costs_));
+    message.set_energy_j(flown.record.step_energy_j(row, costs_));
     if (!step.introspection) return message;
     message.set_epsilon(step.introspection->epsilon);
     message.set_loss(step.introspection->loss);

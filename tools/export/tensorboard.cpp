@@ -111,8 +111,9 @@ struct Round {
 Round parse_round(const std::string& line, const fs::path& log, std::size_t line_number) {
   static const std::regex round("([a-z ]+) round (\\d{1,9}): gain over min-height of the best feasible(( .*)?)");
   static const std::regex gain(R"(  (?:(\S+) per km2: )?([+-]\d+\.\d+) of ([+-]\d+\.\d+))");
+  constexpr std::size_t longest = 1'000;  // std::regex recurses once per character
   std::smatch match;
-  if (!std::regex_match(line, match, round))
+  if (line.size() > longest || !std::regex_match(line, match, round))
     throw InputError("{}:{}: this is no line of a validation log of 'aloft train': {}", log.string(), line_number,
                      excerpt(line));
   Round parsed{match[1], std::stol(match[2]), {}};

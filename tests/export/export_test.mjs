@@ -288,6 +288,31 @@ test('the beam of a measured flight ends at its base station', () => {
   assert.ok(beams > 0);
 });
 
+test('a measured flight without places goes up and down at 0 N 0 E, and its file must be there; a route that depends on the flight is not drawn', () => {
+  const grid = join(scratch, 'grid.csv');
+  writeFileSync(grid, 'step,height_m,throughput_kbps\n' + [1, 2, 3].flatMap((step) => [20, 30, 40].map((height) => `${step},${height},${1000 * height}\n`)).join(''));
+  const file = join(scratch, 'others.json');
+  writeFileSync(file, JSON.stringify({name: 'others', seed: 3, trials: 1, worlds: [{name: 'grid', kind: 'measured', file: grid}, {route: 'serving', window_m: 2000, steps: 4}], agents: ['constant-40']}));
+  const folder = join(scratch, 'others');
+  succeed('run', file, '--out', folder, '--in-process');
+  const out = join(scratch, 'others.mcap');
+  succeed('export', folder, '--format', 'mcap', '--out', out);
+  const {messages} = read(out);
+  const fixes = messages.filter(({type}) => type === 'foxglove.LocationFix').map(({content: {latitude, longitude, altitude}}) => [latitude, longitude, altitude]);
+  assert.deepEqual(fixes.slice(0, 3), [[0, 0, 30], [0, 0, 40], [0, 0, 40]]);
+  assert.equal(fixes.length, 3 + 4);
+  const routes = messages.filter(({topic}) => topic === '/world').map(({content}) => content.entities.find(({id}) => id === 'route').lines[0].points);
+  assert.deepEqual(routes, [[], []]);
+  assert.deepEqual(messages.filter(({type}) => type === 'foxglove.SceneUpdate').flatMap(({content}) => content.entities).filter(({id}) => id === 'serving beam').map(({lines}) => lines.length), [0, 0, 0, 1, 1, 1, 1]);
+
+  rmSync(grid);
+  rmSync(out);
+  const {status, stderr} = run('export', folder, '--format', 'mcap', '--out', out);
+  assert.equal(status, 2);
+  assert.match(stderr, /grid\.csv/);
+  assert.deepEqual(readdirSync(scratch).filter((name) => name.startsWith('others.mcap')), []);
+});
+
 test('schemas are those of Foxglove, by names, numbers and types', () => {
   const {schemas} = read(recording('--trial', '0'));
   const names = [...schemas.values()].map(({typeName}) => typeName).sort();

@@ -50,6 +50,21 @@ TEST_CASE("the cosine of pi s is within its stated error of the library's") {
   CHECK(aloft::radio::cos_pi(0.5 - 1e-9) == Approx(3.14159265358979e-9).epsilon(1e-7));
 }
 
+TEST_CASE("the arctangent is within its stated error of the library's") {
+  RandomStream stream(3, 0, "approximations");
+  double worst = 0.0;
+  for (int i = 0; i < 100'000; ++i) {
+    const double y = std::exp(stream.uniform(-12.0, 12.0));
+    const double x = std::exp(stream.uniform(-12.0, 12.0));
+    const auto exact = static_cast<double>(std::atan2(static_cast<long double>(y), static_cast<long double>(x)));
+    worst = std::fmax(worst, std::fabs(aloft::radio::arctangent(y, x) - exact));
+  }
+  CHECK(worst < 1e-15);
+  CHECK(aloft::radio::arctangent(0.0, 3.0) == 0.0);
+  CHECK(aloft::radio::arctangent(3.0, 0.0) == Approx(std::acos(0.0)).epsilon(1e-15));
+  CHECK(aloft::radio::arctangent(0.0, 0.0) == 0.0);
+}
+
 TEST_CASE("the cosine of a root is within its stated error of the library's") {
   const long double pi = std::acos(-1.0L);
   double worst = 0.0;

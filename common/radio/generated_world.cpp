@@ -53,6 +53,9 @@ Json network(std::string_view model, double site_distance_m, const Json& changes
            {"deployment", "hexagonal"},
            {"bs_density_per_km2", std::round(1e4 / site_km2) / 1e4},
            {"building_density_per_km2", 0.0},
+           {"cells_per_site", "three"},
+           {"bs_antenna", "3gpp"},
+           {"bs_downtilt_deg", 10.0},
            {"fading", "none"},
            {"height_max_m", 300.0},
            {"bandwidth_mhz", 10.0},
@@ -81,7 +84,8 @@ const std::vector<Preset>& presets() {
       {"3gpp-uma", network("uma-av", 500.0, {{"tx_power_w", watts(46.0)}})},
       {"3gpp-umi", network("umi-av", 200.0, {{"tx_power_w", watts(41.0)}, {"window_m", 2000.0}})},
       {"3gpp-rma",
-       network("rma-av", 1732.0, {{"tx_power_w", watts(46.0)}, {"window_m", 8000.0}, {"carrier_ghz", 0.7}})},
+       network("rma-av", 1732.0,
+               {{"tx_power_w", watts(46.0)}, {"window_m", 8000.0}, {"carrier_ghz", 0.7}, {"bs_downtilt_deg", 6.0}})},
   };
   return all;
 }
@@ -182,6 +186,9 @@ void check_route_and_stations(const Parameters& world, std::string_view where) {
           fmt::format("{} is too few for {} candidates and {} neighbours; use at least {}",
                       world.integer("min_base_stations"), world.integer("candidates"), world.integer("neighbours"),
                       needed));
+  require(world::cells_per_site(world) == 1 || world.text("bs_antenna") == "3gpp", where, "cells_per_site",
+          fmt::format("three cells need antennas with azimuths of their own; set bs_antenna to \"3gpp\", not \"{}\"",
+                      world.text("bs_antenna")));
   const double enough = world::probability_of_enough_stations(world);
   require(
       enough > 0.0, where, "min_base_stations",

@@ -71,6 +71,9 @@ TEST_CASE("the presets of 3GPP have its channel models, and its hexagonal grids 
   const Parameters urban = resolved("3gpp-uma");
   CHECK(urban.text("propagation") == "uma-av");
   CHECK(urban.text("deployment") == "hexagonal");
+  CHECK(urban.text("cells_per_site") == "three");
+  CHECK(urban.text("bs_antenna") == "3gpp");
+  CHECK(urban.number("bs_downtilt_deg") == 10.0);
   CHECK(urban.number("base_station_height_m") == 25.0);
   CHECK(urban.number("bs_density_per_km2") == Approx(4.6188).margin(1e-4));  // 1 / (500 m x 433.0 m)
   CHECK(urban.number("tx_power_w") == Approx(39.81).margin(1e-2));           // 46 dBm
@@ -119,4 +122,6 @@ TEST_CASE("wrong worlds are refused with path, value and what is allowed") {
   CHECK_THAT(error_of({{"neighbours", 5}, {"min_base_stations", 5}}), Contains("at least 6"));
   CHECK_THAT(error_of({{"route_offset_max_m", 800}, {"window_m", 1100}}), Contains("world.route_offset_max_m"));
   CHECK(error_of({{"neighbours", 5}}) == "accepted");
+  CHECK_THAT(error_of({{"cells_per_site", "three"}}), Contains("world.cells_per_site") && Contains("\"3gpp\""));
+  CHECK(error_of({{"cells_per_site", "three"}, {"bs_antenna", "3gpp"}}) == "accepted");
 }

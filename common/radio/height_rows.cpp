@@ -10,10 +10,11 @@ namespace aloft::radio {
 namespace {
 
 template <BsAntenna antenna>
-[[gnu::always_inline]] inline void power_loop(const RadioModel* model, double distance_m, const double* rise_m,
-                                              std::size_t size, double* gain_to_power_w) {
+[[gnu::always_inline]] inline void power_loop(const RadioModel* model, double distance_m, double horizontal_loss_db,
+                                              const double* rise_m, std::size_t size, double* gain_to_power_w) {
   for (std::size_t i = 0; i < size; ++i)
-    gain_to_power_w[i] = received_power_w<antenna>(*model, distance_m, rise_m[i], gain_to_power_w[i]);
+    gain_to_power_w[i] =
+        received_power_w<antenna>(*model, distance_m, rise_m[i], horizontal_loss_db, gain_to_power_w[i]);
 }
 
 [[gnu::always_inline]] inline void shadow_loop(double deviations, const double* deviation_db, std::size_t size,
@@ -112,12 +113,20 @@ template <BsAntenna antenna>
 
 }  // namespace
 
-void received_power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m,
-                        double* gain_to_power_w) {
-  if (model.bs_antenna == BsAntenna::array)
-    run_vectorised<power_loop<BsAntenna::array>>(&model, distance_m, rise_m.data(), rise_m.size(), gain_to_power_w);
-  else
-    run_vectorised<power_loop<BsAntenna::sector>>(&model, distance_m, rise_m.data(), rise_m.size(), gain_to_power_w);
+void received_power_row(const RadioModel& model, double distance_m, double horizontal_loss_db,
+                        std::span<const double> rise_m, double* gain_to_power_w) {
+  const auto run = [&]<BsAntenna antenna>() {
+    run_vectorised<power_loop<antenna>>(&model, distance_m, horizontal_loss_db, rise_m.data(), rise_m.size(),
+                                        gain_to_power_w);
+  };
+  switch (model.bs_antenna) {
+    case BsAntenna::array:
+      return run.template operator()<BsAntenna::array>();
+    case BsAntenna::sector:
+      return run.template operator()<BsAntenna::sector>();
+    case BsAntenna::tr_38_901:
+      return run.template operator()<BsAntenna::tr_38_901>();
+  }
 }
 
 void shadow_row(double deviations, std::span<const double> deviation_db, double* gain) {

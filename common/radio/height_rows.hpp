@@ -11,8 +11,8 @@
 namespace aloft::radio {
 
 /// received_power_w() at every rise: `gain_to_power_w` holds the channel model's gains before and powers after.
-void received_power_row(const RadioModel& model, double distance_m, std::span<const double> rise_m,
-                        double* gain_to_power_w);
+void received_power_row(const RadioModel& model, double distance_m, double horizontal_loss_db,
+                        std::span<const double> rise_m, double* gain_to_power_w);
 
 /// Multiplies each gain by that of shadowing which is `deviations` standard deviations above its mean loss.
 void shadow_row(double deviations, std::span<const double> deviation_db, double* gain);

@@ -28,11 +28,43 @@ struct Link {
   return 8.0 * (product * product);
 }
 
+/// 3GPP TR 38.901 Table 7.3-1: the radiation of an antenna element with 8 dBi, and 65 degrees of beamwidth in both
+/// planes; no direction has more than 30 dB less.
+inline constexpr double element_peak_db = 8.0;
+inline constexpr double element_beamwidth_deg = 65.0;
+inline constexpr double element_loss_max_db = 30.0;
+
+/// min(12 (angle / 65 degrees)^2, 30) dB: the loss at this angle off the beam in one plane.
+[[gnu::always_inline]] inline double element_loss_db(double angle_deg) noexcept {
+  const double beamwidths = angle_deg / element_beamwidth_deg;
+  const double loss_db = 12.0 * (beamwidths * beamwidths);
+  return loss_db < element_loss_max_db ? loss_db : element_loss_max_db;
+}
+
+/// The horizontal loss towards the UAV of an antenna with this boresight, a unit vector. 0 right above it.
+[[gnu::always_inline]] inline double azimuth_loss_db(const Link& link, world::Position boresight) noexcept {
+  const double along_m = -(link.dx_m * boresight.x_m + link.dy_m * boresight.y_m);
+  const double across_m = std::fabs(link.dx_m * boresight.y_m - link.dy_m * boresight.x_m);
+  const double acute_deg = arctangent(across_m, std::fabs(along_m)) * (180.0 / std::numbers::pi);
+  return element_loss_db(along_m < 0.0 ? 180.0 - acute_deg : acute_deg);
+}
+
+/// Gain of the element: 8 dBi - min(vertical + horizontal loss, 30 dB), its beam tilted down.
+[[gnu::always_inline]] inline double element_gain(const RadioModel& model, double distance_m, double rise_m,
+                                                  double horizontal_loss_db) noexcept {
+  const double elevation_deg = arctangent(rise_m, distance_m) * (180.0 / std::numbers::pi);
+  const double loss_db = element_loss_db(elevation_deg + model.bs_downtilt_deg) + horizontal_loss_db;
+  return power_of_ten(0.1 * (element_peak_db - (loss_db < element_loss_max_db ? loss_db : element_loss_max_db)));
+}
+
 /// Mean received power, W, before fading: p = P G K g(s) x `gain`, the gain of the channel model. A base station with a
-/// sector antenna steers it at the UAV. Distances below 1 m count as 1 m.
+/// rectangular sector steers it at the UAV; `horizontal_loss_db` is that of the antenna of TR 38.901, which is not
+/// steered. Distances below 1 m count as 1 m.
 template <BsAntenna antenna>
 [[gnu::always_inline]] inline double received_power_w(const RadioModel& model, double distance_m, double rise_m,
-                                                      double gain) noexcept {
+                                                      double horizontal_loss_db, double gain) noexcept {
+  if constexpr (antenna == BsAntenna::tr_38_901)
+    return model.link_gain_w * element_gain(model, distance_m, rise_m, horizontal_loss_db) * gain;
   const double sum_m2 = distance_m * distance_m + rise_m * rise_m;
   const double slant2_m2 = sum_m2 < 1.0 ? 1.0 : sum_m2;
   const double antenna_gain =
@@ -69,7 +101,9 @@ inline constexpr double bound_rounding = 1.0 + 1e-9;
 /// Upper bound, W, of the power received from a base station whose channel gain is at most `gain_bound`.
 [[nodiscard]] inline double power_bound_w(const RadioModel& model, double gain_bound) noexcept {
   constexpr double array_peak = 8.0;
-  const double antenna_gain = model.bs_antenna == BsAntenna::array ? array_peak : model.sector_gain;
+  double antenna_gain = model.sector_gain;
+  if (model.bs_antenna == BsAntenna::array) antenna_gain = array_peak;
+  if (model.bs_antenna == BsAntenna::tr_38_901) antenna_gain = power_of_ten(0.1 * element_peak_db);
   return bound_rounding * model.link_gain_w * antenna_gain * gain_bound;
 }
 

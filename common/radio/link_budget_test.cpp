@@ -1,6 +1,7 @@
 #include "common/radio/link_budget.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -58,13 +59,14 @@ TEST_CASE("received power of one link") {
   // r = 300 m, h - 30 = 400 m: D = 500 m, s = 0.8, g = 0.04774575.
   // 40 * 81.48733 * 4.6525033e-5 = 0.15164803; * g = 0.0072405492; * 500^-2.1 = 2.1486367e-6
   const RadioModel model = model_of();
-  CHECK(received_power_w<BsAntenna::array>(model, 300.0, 400.0, 2.1486367e-6) == Approx(1.5557310e-8).epsilon(1e-7));
+  CHECK(received_power_w<BsAntenna::array>(model, 300.0, 400.0, 0.0, 2.1486367e-6) ==
+        Approx(1.5557310e-8).epsilon(1e-7));
   // without line of sight: 500^-4 = 1.6e-11
-  CHECK(received_power_w<BsAntenna::array>(model, 300.0, 400.0, 1.6e-11) ==
+  CHECK(received_power_w<BsAntenna::array>(model, 300.0, 400.0, 0.0, 1.6e-11) ==
         Approx(0.0072405492 * 1.6e-11).epsilon(1e-6));
   // A sector of 81.49 instead of array and UAV beam, horizontal distance: 40 * 81.48733 * 4.6525033e-5 * 300^-2.1
   const RadioModel text = model_of({{"preset", "paper-text"}});
-  CHECK(received_power_w<BsAntenna::sector>(text, 300.0, 400.0, 6.2812397e-6) ==
+  CHECK(received_power_w<BsAntenna::sector>(text, 300.0, 400.0, 0.0, 6.2812397e-6) ==
         Approx(0.15164803 * 6.2812397e-6).epsilon(1e-7));
 }
 
@@ -107,20 +109,52 @@ TEST_CASE("spectral efficiency and decibels") {
   CHECK(decibel(0.0) == Approx(-200.0).epsilon(1e-14));
 }
 
+TEST_CASE("the antenna element of TR 38.901: 8 dBi, 65 degrees, 30 dB, tilted down") {
+  const auto gain_db = [](double downtilt_deg, double distance_m, double rise_m, double azimuth_deg) {
+    const RadioModel model = model_of({{"bs_antenna", "3gpp"}, {"bs_downtilt_deg", downtilt_deg}});
+    const double azimuth =
+        azimuth_deg * std::numbers::pi / 180.0;  // of the UAV, seen from the antenna; its boresight: x
+    const Link link{-distance_m * std::cos(azimuth), -distance_m * std::sin(azimuth), distance_m};
+    return 10.0 * std::log10(element_gain(model, distance_m, rise_m, azimuth_loss_db(link, {1.0, 0.0})));
+  };
+  CHECK(gain_db(0, 100, 0, 0) == Approx(8.0));
+  CHECK(gain_db(0, 100, 0, 32.5) == Approx(5.0));  // half the beamwidth: 3 dB less
+  CHECK(gain_db(0, 100, 0, -32.5) == Approx(5.0));
+  CHECK(gain_db(0, 100, 0, 60) == Approx(8.0 - 12.0 * 60 * 60 / 4225));
+  CHECK(gain_db(0, 100, 0, 120) == Approx(8.0 - 30.0));  // 12 (120/65)^2 = 40.9
+  CHECK(gain_db(0, 100, 0, 180) == Approx(8.0 - 30.0));
+  CHECK(gain_db(0, 100, 100, 0) == Approx(8.0 - 12.0 * 45 * 45 / 4225));
+  CHECK(gain_db(10, 100, 0, 0) == Approx(8.0 - 12.0 * 100 / 4225));
+  CHECK(gain_db(10, 100, 100, 30) == Approx(8.0 - 12.0 * (55 * 55 + 30 * 30) / 4225));
+  CHECK(gain_db(10, 0, 100, 0) == Approx(8.0 - 12.0 * 100 * 100 / 4225));  // right above
+  CHECK(gain_db(30, 0, 100, 0) == Approx(8.0 - 30.0));
+}
+
 TEST_CASE("no power exceeds its bound") {
   constexpr double gain = 1e-8;
   const RadioModel array = model_of();
   const RadioModel sector = model_of({{"preset", "paper-text"}});
+  const RadioModel element = model_of({{"bs_antenna", "3gpp"}});
   for (double distance_m = 0.0; distance_m < 3000.0; distance_m += 7.0)
     for (double rise_m = 0.0; rise_m < 300.0; rise_m += 11.0) {
-      REQUIRE(received_power_w<BsAntenna::array>(array, distance_m, rise_m, gain) <= power_bound_w(array, gain));
-      REQUIRE(received_power_w<BsAntenna::sector>(sector, distance_m, rise_m, gain) <= power_bound_w(sector, gain));
+      REQUIRE(received_power_w<BsAntenna::array>(array, distance_m, rise_m, 0.0, gain) <= power_bound_w(array, gain));
+      REQUIRE(received_power_w<BsAntenna::sector>(sector, distance_m, rise_m, 0.0, gain) <=
+              power_bound_w(sector, gain));
+      REQUIRE(received_power_w<BsAntenna::tr_38_901>(element, distance_m, rise_m, 0.0, gain) <=
+              power_bound_w(element, gain));
     }
 }
 
 TEST_CASE("rows have the same bits as the formulas, whatever the vector width") {
-  for (const char* preset : {"published", "paper-text"}) {
-    const RadioModel model = model_of({{"preset", preset}});
+  const auto power = [](const RadioModel& model, double rise_m, double loss_db, double gain) {
+    if (model.bs_antenna == BsAntenna::array)
+      return received_power_w<BsAntenna::array>(model, 321.0, rise_m, loss_db, gain);
+    if (model.bs_antenna == BsAntenna::sector)
+      return received_power_w<BsAntenna::sector>(model, 321.0, rise_m, loss_db, gain);
+    return received_power_w<BsAntenna::tr_38_901>(model, 321.0, rise_m, loss_db, gain);
+  };
+  for (const char* antenna : {"array", "sector", "3gpp"}) {
+    const RadioModel model = model_of({{"bs_antenna", antenna}});
     std::vector<double> rise_m(203);
     std::iota(rise_m.begin(), rise_m.end(), 10.0);
     std::vector<double> gain(rise_m.size());
@@ -128,12 +162,10 @@ TEST_CASE("rows have the same bits as the formulas, whatever the vector width") 
     std::vector<double> power_w(gain);
     std::vector<double> nearest_m(rise_m.size());
     std::vector<double> farthest_m(rise_m.size());
-    received_power_row(model, 321.0, rise_m, power_w.data());
+    received_power_row(model, 321.0, 7.5, rise_m, power_w.data());
     beam_limits_row(model, 321.0, rise_m, nearest_m.data(), farthest_m.data());
     for (std::size_t i = 0; i < rise_m.size(); ++i) {
-      CHECK(power_w[i] == (model.bs_antenna == BsAntenna::array
-                               ? received_power_w<BsAntenna::array>(model, 321.0, rise_m[i], gain[i])
-                               : received_power_w<BsAntenna::sector>(model, 321.0, rise_m[i], gain[i])));
+      CHECK(power_w[i] == power(model, rise_m[i], 7.5, gain[i]));
       const BeamLimits limits = beam_limits(model, 321.0, rise_m[i]);
       CHECK(nearest_m[i] == limits.nearest_m);
       CHECK(farthest_m[i] == limits.farthest_m);

@@ -14,7 +14,8 @@ constexpr double speed_of_light_m_per_s = 3e8;
 
 constexpr std::array<Choice<UavAntenna>, 2> uav_antennas{
     {{"directional", UavAntenna::directional}, {"omnidirectional", UavAntenna::omnidirectional}}};
-constexpr std::array<Choice<BsAntenna>, 2> bs_antennas{{{"array", BsAntenna::array}, {"sector", BsAntenna::sector}}};
+constexpr std::array<Choice<BsAntenna>, 3> bs_antennas{
+    {{"array", BsAntenna::array}, {"sector", BsAntenna::sector}, {"3gpp", BsAntenna::tr_38_901}}};
 constexpr std::array<Choice<FadingKind>, 3> fading_kinds{
     {{"independent", FadingKind::independent}, {"none", FadingKind::none}, {"correlated", FadingKind::correlated}}};
 constexpr std::array<Choice<ServingSelection>, 2> serving_selections{
@@ -52,9 +53,10 @@ const std::vector<ParameterSpec>& radio_parameters() {
                        "UAV antenna: a beam that points at the base station, or all directions with gain 1."),
       number_parameter("uav_beamwidth_deg", 45.0, 1.0, 170.0, "Beamwidth of the directional UAV antenna."),
       choice_parameter("bs_antenna", bs_antennas,
-                       "Base station antenna: vertical array of 8 elements, or one rectangular sector, steered at the "
-                       "UAV it serves, and else at a fixed random azimuth."),
+                       "Base station antenna: vertical array of 8 elements; one rectangular sector, steered at the "
+                       "UAV it serves, and else at a fixed random azimuth; or the element of 3GPP TR 38.901."),
       number_parameter("bs_beamwidth_deg", 45.0, 1.0, 170.0, "Beamwidth of a base station's sector."),
+      implied(number_parameter("bs_downtilt_deg", 0.0, 0.0, 90.0, "Antenna `3gpp`: how far its beam points down.")),
       choice_parameter("fading", fading_kinds,
                        "Rayleigh fading per route point, height, candidate and transmitter: independent, none, or "
                        "correlated over height."),
@@ -86,6 +88,7 @@ RadioModel::RadioModel(const Parameters& world)
       neighbours(static_cast<std::uint32_t>(world.integer("neighbours"))),
       interferer_distance_max_m(world.number("interferer_distance_max_m")),
       noise_w(noise_power_w(world.number("bandwidth_mhz") * 1e6, world.number("noise_figure_db"))),
+      bs_downtilt_deg(world.number("bs_downtilt_deg")),
       efficiency_max(world.number("spectral_efficiency_max")),
       fading_correlation(power_to(world.number("fading_correlation"), world.number("height_resolution_m"))) {
   if (efficiency_max == 0.0) efficiency_max = std::numeric_limits<double>::infinity();

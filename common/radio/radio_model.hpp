@@ -8,7 +8,7 @@
 namespace aloft::radio {
 
 enum class UavAntenna : std::uint8_t { directional, omnidirectional };
-enum class BsAntenna : std::uint8_t { array, sector };
+enum class BsAntenna : std::uint8_t { array, sector, tr_38_901 };
 enum class FadingKind : std::uint8_t { independent, none, correlated };
 enum class ServingSelection : std::uint8_t { best_of_candidates, best_of_all };
 
@@ -30,6 +30,7 @@ struct RadioModel {
   double link_gain_w;         ///< transmit power x UAV antenna gain x near-field gain: power at 1 m without the base
                               ///< station's antenna
   double noise_w;             ///< thermal noise in the band, with the noise figure
+  double bs_downtilt_deg;     ///< of the antenna of TR 38.901
   double efficiency_max;      ///< cap on spectral efficiency, bit/s/Hz; infinity if there is none
   double sector_gain;         ///< gain inside a base station's rectangular sector; outside it is 0
   double fading_correlation;  ///< of the amplitudes at adjacent heights of the table

@@ -92,6 +92,7 @@ void ReportLikelihood::look(const Report& report, std::span<const world::Positio
   into.around.position = report.place;
   into.around.links.resize(stations.size());
   into.around.sector_covers.assign(stations.size(), 1);
+  into.around.horizontal_loss_db.assign(stations.size(), 0.0);
   into.power_w.resize(stations.size());
   into.evaluation = {};
   for (std::uint32_t k = 0; k < stations.size(); ++k) place(report, k, stations[k], into);
@@ -102,6 +103,7 @@ void ReportLikelihood::move(const Report& report, std::uint32_t station, world::
                             Undo& undo) const {
   undo.link = view.around.links[station];
   undo.sector_covers = view.around.sector_covers[station];
+  undo.horizontal_loss_db = view.around.horizontal_loss_db[station];
   undo.power_w = view.power_w[station];
   undo.evaluated = false;
   mark_stale(station, view, undo);
@@ -113,6 +115,7 @@ void ReportLikelihood::move(const Report& report, std::uint32_t station, world::
 void ReportLikelihood::take_back(const Undo& undo, std::uint32_t station, View& view) {
   view.around.links[station] = undo.link;
   view.around.sector_covers[station] = undo.sector_covers;
+  view.around.horizontal_loss_db[station] = undo.horizontal_loss_db;
   view.power_w[station] = undo.power_w;
   if (undo.evaluated) view.evaluation = undo.evaluation;
 }

@@ -60,6 +60,7 @@ class ReportLikelihood {
   struct Undo {
     Link link;
     std::uint8_t sector_covers = 0;
+    double horizontal_loss_db = 0.0;
     double power_w = 0.0;
     bool evaluated = false;  ///< whether the evaluation has changed, too
     Evaluation evaluation;   ///< if so

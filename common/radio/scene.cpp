@@ -8,6 +8,7 @@
 #include "common/base/limits.hpp"
 #include "common/base/random.hpp"
 #include "common/radio/height_rows.hpp"
+#include "common/world/city.hpp"
 
 namespace aloft::radio {
 namespace {
@@ -15,7 +16,13 @@ namespace {
 std::vector<double> draw_azimuths(const Parameters& world, const world::City& city, std::uint64_t seed,
                                   std::uint32_t trial) {
   std::vector<double> azimuths;
-  if (RadioModel(world).bs_antenna != BsAntenna::sector) return azimuths;
+  const BsAntenna antenna = RadioModel(world).bs_antenna;
+  if (antenna == BsAntenna::array) return azimuths;
+  if (world::cells_per_site(world) == 3) {  // 30, 150 and 270 degrees
+    constexpr std::array<double, 3> half_turns{1.0 / 6.0, 5.0 / 6.0, -0.5};
+    for (std::size_t k = 0; k < city.base_stations.size(); ++k) azimuths.push_back(half_turns.at(k % 3));
+    return azimuths;
+  }
   RandomStream stream(seed, trial, "sector azimuth");
   for (std::size_t k = 0; k < city.base_stations.size(); ++k) azimuths.push_back(stream.uniform(-1.0, 1.0));
   return azimuths;
@@ -33,7 +40,8 @@ Scene::Scene(const Parameters& world, const world::City& city, std::uint64_t see
   for (const std::size_t los : {0U, 1U}) {
     const Shadowing shadowing = link_model_->shadowing(los == 1);
     if (shadowing.deviation_max_db > 0.0)
-      shadowing_.at(los).emplace(seed, trial, los == 1 ? "shadowing in line of sight" : "shadowing", stations(),
+      shadowing_.at(los).emplace(seed, trial, los == 1 ? "shadowing in line of sight" : "shadowing",
+                                 (stations() + cells_per_site_ - 1) / cells_per_site_,
                                  shadowing.correlation_distance_m);
   }
 }
@@ -41,6 +49,7 @@ Scene::Scene(const Parameters& world, const world::City& city, std::uint64_t see
 Scene::Scene(const Parameters& world, world::City city, std::uint64_t seed, std::uint32_t trial,
              const HeightGrid& heights, std::vector<double> sector_azimuths)
     : city_(std::move(city)),
+      cells_per_site_(world::cells_per_site(world)),
       model_(world),
       link_model_(link_model_type(world.text("propagation")).make(world, city_, seed, trial)),
       heights_(heights),
@@ -58,6 +67,7 @@ void Scene::look_around(world::Position position, Surroundings& into) const {
   into.position = position;
   into.links.resize(stations());
   into.sector_covers.assign(stations(), 1);
+  into.horizontal_loss_db.assign(stations(), 0.0);
   for (std::uint32_t k = 0; k < stations(); ++k) look_towards(city_.base_stations[k], k, into);
 }
 
@@ -66,6 +76,8 @@ void Scene::look_towards(world::Position station, std::uint32_t k, Surroundings&
   link.dx_m = station.x_m - around.position.x_m;
   link.dy_m = station.y_m - around.position.y_m;
   link.distance_m = std::sqrt(link.dx_m * link.dx_m + link.dy_m * link.dy_m);
+  if (model_.bs_antenna == BsAntenna::tr_38_901)
+    around.horizontal_loss_db[k] = azimuth_loss_db(link, sector_boresight_[k]);
   if (model_.bs_antenna != BsAntenna::sector) return;
   around.sector_covers[k] = radio::sector_covers(model_, link, sector_boresight_[k]) ? 1 : 0;
 }
@@ -82,7 +94,7 @@ std::uint32_t Scene::first_los(double blocking_height_m) const noexcept {
 void Scene::shadow(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m, double* gain) const {
   const auto& field = shadowing_.at(line_of_sight ? 1 : 0);
   if (!field || height_m.empty()) return;
-  const double deviations = field->at(link.uav, link.station);
+  const double deviations = field->at(link.uav, link.station / cells_per_site_);
   std::array<double, 256> deviation_db;
   for (std::size_t first = 0; first < height_m.size(); first += deviation_db.size()) {
     const auto part = height_m.subspan(first, std::min(deviation_db.size(), height_m.size() - first));
@@ -95,7 +107,7 @@ double Scene::gain_bound(const LinkPlace& link, bool line_of_sight) const {
   const double mean = link_model_->gain_bound(link, line_of_sight);
   const auto& field = shadowing_.at(line_of_sight ? 1 : 0);
   if (!field) return mean;
-  const double deviations = std::min(0.0, field->at(link.uav, link.station));
+  const double deviations = std::min(0.0, field->at(link.uav, link.station / cells_per_site_));
   return mean * power_of_ten(-0.1 * deviations * link_model_->shadowing(line_of_sight).deviation_max_db);
 }
 
@@ -104,7 +116,7 @@ double Scene::shadowing_db(const LinkPlace& link, bool line_of_sight, double hei
   if (!field) return 0.0;
   double deviation_db = 0.0;
   link_model_->shadowing_row(link, line_of_sight, std::span(&height_m, 1), &deviation_db);
-  return field->at(link.uav, link.station) * deviation_db;
+  return field->at(link.uav, link.station / cells_per_site_) * deviation_db;
 }
 
 void Scene::received_power_row(const Surroundings& around, std::uint32_t k, std::span<const double> height_m,
@@ -116,7 +128,7 @@ void Scene::received_power_row(const Surroundings& around, std::uint32_t k, std:
   };
   if (first_los > 0) gains(false, height_m.first(first_los), power_w);
   gains(true, height_m.subspan(first_los), power_w + first_los);
-  radio::received_power_row(model_, place.distance_m, rise_m, power_w);
+  radio::received_power_row(model_, place.distance_m, around.horizontal_loss_db[k], rise_m, power_w);
 }
 
 std::uint32_t Scene::reported_stations() const noexcept {

@@ -21,6 +21,7 @@ struct Surroundings {
   world::Position position;
   std::vector<Link> links;                  ///< per base station
   std::vector<std::uint8_t> sector_covers;  ///< per base station: 1 if its sector, at its fixed azimuth, covers the UAV
+  std::vector<double> horizontal_loss_db;   ///< per base station: that of the antenna of TR 38.901; else 0
 };
 
 /// A city with its radio: the power of every base station at every place, before fading.
@@ -87,6 +88,7 @@ class Scene {
 
  private:
   world::City city_;
+  std::uint32_t cells_per_site_;
   RadioModel model_;
   std::unique_ptr<const LinkModel> link_model_;
   std::array<std::optional<GaussianFields>, 2> shadowing_;  // without and with line of sight

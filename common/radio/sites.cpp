@@ -14,7 +14,7 @@ world::City city_of(const Parameters& world, const std::vector<world::Site>& sit
 
 std::vector<double> sector_half_turns(const Parameters& world, const std::vector<world::Site>& sites) {
   std::vector<double> half_turns;
-  if (RadioModel(world).bs_antenna != BsAntenna::sector) return half_turns;
+  if (RadioModel(world).bs_antenna == BsAntenna::array) return half_turns;
   for (const world::Site& site : sites) half_turns.push_back(site.azimuth_deg / 180.0);
   return half_turns;
 }

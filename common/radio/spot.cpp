@@ -22,6 +22,7 @@ Reading SpotBuilder::build(std::uint32_t point, world::Position position, std::u
   look_from(position, rows_);
   if (scene_.model().bs_antenna == BsAntenna::sector)
     sector_row(scene_.model(), scene_.sector_boresights(), rows_, covers_.data());
+  if (scene_.model().bs_antenna == BsAntenna::tr_38_901) azimuth_loss_row(scene_.sector_boresights(), rows_);
   compute_powers(position, height);
   rank_strongest();
   find_interferers(scene_.rise_m(height));
@@ -41,7 +42,7 @@ void SpotBuilder::compute_powers(world::Position position, std::uint32_t height)
     if (!line_of_sight) power_w_[link.station] = blocked_power_w_[link.station];
     scene_.shadow(link, line_of_sight, std::span(&height_m, 1), &power_w_[link.station]);
   }
-  received_powers(scene_.model(), rows_.distance_m, scene_.rise_m(height), power_w_.data());
+  received_powers(scene_.model(), rows_, scene_.rise_m(height), power_w_.data());
 }
 
 void SpotBuilder::rank_strongest() {

@@ -25,10 +25,18 @@ namespace {
 }
 
 template <BsAntenna antenna>
-[[gnu::always_inline]] inline void station_power_loop(const RadioModel* model, const double* distance_m, double rise_m,
-                                                      std::size_t size, double* gain_to_power_w) {
+[[gnu::always_inline]] inline void station_power_loop(const RadioModel* model, const double* distance_m,
+                                                      const double* horizontal_loss_db, double rise_m, std::size_t size,
+                                                      double* gain_to_power_w) {
   for (std::size_t k = 0; k < size; ++k)
-    gain_to_power_w[k] = received_power_w<antenna>(*model, distance_m[k], rise_m, gain_to_power_w[k]);
+    gain_to_power_w[k] =
+        received_power_w<antenna>(*model, distance_m[k], rise_m, horizontal_loss_db[k], gain_to_power_w[k]);
+}
+
+[[gnu::always_inline]] inline void azimuth_loss_loop(const world::Position* boresight, const double* dx_m,
+                                                     const double* dy_m, const double* distance_m, std::size_t size,
+                                                     double* loss_db) {
+  for (std::size_t k = 0; k < size; ++k) loss_db[k] = azimuth_loss_db({dx_m[k], dy_m[k], distance_m[k]}, boresight[k]);
 }
 
 [[gnu::always_inline]] inline void beam_loop(const RadioModel* model, Link towards, BeamLimits limits,
@@ -44,7 +52,7 @@ template <BsAntenna antenna>
 }  // namespace
 
 StationRows::StationRows(const std::vector<world::Position>& stations)
-    : dx_m(stations.size()), dy_m(stations.size()), distance_m(stations.size()) {
+    : dx_m(stations.size()), dy_m(stations.size()), distance_m(stations.size()), horizontal_loss_db(stations.size()) {
   for (const world::Position& station : stations) {
     x_m.push_back(station.x_m);
     y_m.push_back(station.y_m);
@@ -62,14 +70,24 @@ void sector_row(const RadioModel& model, const std::vector<world::Position>& bor
                               rows.x_m.size(), covers);
 }
 
-void received_powers(const RadioModel& model, std::span<const double> distance_m, double rise_m,
-                     double* gain_to_power_w) {
-  if (model.bs_antenna == BsAntenna::array)
-    run_vectorised<station_power_loop<BsAntenna::array>>(&model, distance_m.data(), rise_m, distance_m.size(),
-                                                         gain_to_power_w);
-  else
-    run_vectorised<station_power_loop<BsAntenna::sector>>(&model, distance_m.data(), rise_m, distance_m.size(),
-                                                          gain_to_power_w);
+void azimuth_loss_row(const std::vector<world::Position>& boresights, StationRows& rows) {
+  run_vectorised<azimuth_loss_loop>(boresights.data(), rows.dx_m.data(), rows.dy_m.data(), rows.distance_m.data(),
+                                    rows.x_m.size(), rows.horizontal_loss_db.data());
+}
+
+void received_powers(const RadioModel& model, const StationRows& rows, double rise_m, double* gain_to_power_w) {
+  const auto run = [&]<BsAntenna antenna>() {
+    run_vectorised<station_power_loop<antenna>>(&model, rows.distance_m.data(), rows.horizontal_loss_db.data(), rise_m,
+                                                rows.distance_m.size(), gain_to_power_w);
+  };
+  switch (model.bs_antenna) {
+    case BsAntenna::array:
+      return run.template operator()<BsAntenna::array>();
+    case BsAntenna::sector:
+      return run.template operator()<BsAntenna::sector>();
+    case BsAntenna::tr_38_901:
+      return run.template operator()<BsAntenna::tr_38_901>();
+  }
 }
 
 void beam_row(const RadioModel& model, const StationRows& rows, std::uint32_t c, const BeamLimits& limits,

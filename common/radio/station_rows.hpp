@@ -21,6 +21,7 @@ struct StationRows {
   std::vector<double> dx_m;
   std::vector<double> dy_m;
   std::vector<double> distance_m;
+  std::vector<double> horizontal_loss_db;  ///< of the antenna of TR 38.901; else 0
 };
 
 /// Fills the links of a UAV above `uav`.
@@ -30,9 +31,11 @@ void look_from(world::Position uav, StationRows& rows);
 void sector_row(const RadioModel& model, const std::vector<world::Position>& boresights, const StationRows& rows,
                 double* covers);
 
+/// Fills horizontal_loss_db for antennas with these boresights.
+void azimuth_loss_row(const std::vector<world::Position>& boresights, StationRows& rows);
+
 /// received_power_w() of every base station: `gain_to_power_w` holds the channel model's gains before and powers after.
-void received_powers(const RadioModel& model, std::span<const double> distance_m, double rise_m,
-                     double* gain_to_power_w);
+void received_powers(const RadioModel& model, const StationRows& rows, double rise_m, double* gain_to_power_w);
 
 /// disturbs[k] = 1 if base station k is within the UAV's beam towards base station c, with the azimuth and these limits
 /// of distance, else 0.

@@ -25,6 +25,16 @@ ParameterSpec deployment_parameter() {
   return spec;
 }
 
+constexpr std::array<Choice<std::uint32_t>, 2> cells_of_sites{{{"one", 1}, {"three", 3}}};
+
+ParameterSpec cells_parameter() {
+  ParameterSpec spec = choice_parameter("cells_per_site", cells_of_sites,
+                                        "Base stations at each place of one: three have azimuths of 30, 150 and 270 "
+                                        "degrees, and antennas of `3gpp`.");
+  spec.default_is_implied = true;
+  return spec;
+}
+
 /// Whether heights are Rayleigh distributed.
 constexpr std::array<Choice<bool>, 2> height_distributions{{{"poisson", false}, {"rayleigh", true}}};
 
@@ -157,6 +167,7 @@ const std::vector<ParameterSpec>& city_parameters() {
       number_parameter("bs_density_per_km2", 2.5, 0.1, 500.0,
                        "Base stations per km2; at random places their number is Poisson."),
       deployment_parameter(),
+      cells_parameter(),
       integer_parameter("min_base_stations", 6, 1, 100, "Cities with fewer base stations are drawn again."),
       number_parameter("window_m", 3000.0, 100.0, 10'000.0, "Side of the square city, centred on (0, 0)."),
       number_parameter("base_station_height_m", 30.0, 1.0, 200.0, "Height of every base station antenna."),
@@ -168,6 +179,10 @@ const std::vector<ParameterSpec>& city_parameters() {
                        "Mean building height; the scale of a Rayleigh distribution is 0.7979 times its mean."),
   };
   return table;
+}
+
+std::uint32_t cells_per_site(const Parameters& world) {
+  return world.chosen("cells_per_site", cells_of_sites);
 }
 
 double hexagonal_distance_m(double density_per_km2) {
@@ -189,6 +204,12 @@ City generate_city(const Parameters& world, std::uint64_t seed, std::uint32_t tr
   city.base_station_height_m = world.number("base_station_height_m");
   city.base_stations = world.chosen("deployment", deployments) ? hexagonal_stations(world, seed, trial)
                                                                : random_stations(world, seed, trial);
+  if (const std::uint32_t cells = cells_per_site(world); cells > 1) {
+    std::vector<Position> stations;
+    for (const Position& site : city.base_stations) stations.insert(stations.end(), cells, site);
+    check_count(stations.size(), trial);
+    city.base_stations = std::move(stations);
+  }
   draw_buildings(world, seed, trial, city);
   return city;
 }

@@ -26,6 +26,10 @@ namespace aloft::world {
 /// city, only its window and its buildings are touched.
 void draw_buildings(const Parameters& world, std::uint64_t seed, std::uint32_t trial, City& city);
 
+/// Cells that share a site, and so their links' line of sight and shadowing: base stations n k to n k + n - 1 of a city
+/// with n.
+[[nodiscard]] std::uint32_t cells_per_site(const Parameters& world);
+
 /// The distance of neighbouring base stations on a hexagonal grid.
 [[nodiscard]] double hexagonal_distance_m(double density_per_km2);
 

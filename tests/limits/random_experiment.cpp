@@ -113,7 +113,8 @@ Json generated_world(Draw& draw, bool small) {
   world["bs_density_per_km2"] = draw.between(std::clamp(10.0 / area_km2, 0.1, most), most);
   if (!world.contains("building_density_per_km2") || small)
     world["building_density_per_km2"] = draw.between(0, small ? 100 : 2000);
-  if (draw.chance(0.7)) {  // otherwise more candidates than base stations are possible
+  if (draw.chance(0.7)) world.erase("cells_per_site");  // three need one of the antennas
+  if (draw.chance(0.7)) {                               // otherwise more candidates than base stations are possible
     world.erase("candidates");
     world["min_base_stations"] = 6;
   }

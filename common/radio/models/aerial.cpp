@@ -12,6 +12,7 @@
 #include "common/radio/aerial_link.hpp"
 #include "common/radio/gaussian_fields.hpp"
 #include "common/radio/models/link_model.hpp"
+#include "common/world/city.hpp"
 
 namespace aloft::radio {
 namespace {
@@ -69,17 +70,19 @@ template <AerialScenario scenario>
 }
 
 /// The channel of TR 36.777 Annex B. Whether a link has line of sight follows from a random field over the ground, per
-/// base station: it has if the field, as a uniform number, is at most the probability at its distance and height.
+/// site: it has if the field, as a uniform number, is at most the probability at its distance and height.
 template <AerialScenario scenario>
 class Aerial final : public LinkModel {
  public:
   Aerial(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial)
       : carrier_ghz_(world.number("carrier_ghz")),
         carrier_(carrier_loss(carrier_ghz_)),
-        visibility_(seed, trial, "line of sight", city.base_stations.size(), correlation(scenario).line_of_sight_m) {}
+        cells_per_site_(world::cells_per_site(world)),
+        visibility_(seed, trial, "line of sight", (city.base_stations.size() + cells_per_site_ - 1) / cells_per_site_,
+                    correlation(scenario).line_of_sight_m) {}
 
   [[nodiscard]] double blocking_height_m(const LinkPlace& link) const override {
-    return lowest_height_m(at(link, 0.0), normal_cdf(visibility_.at(link.uav, link.station)));
+    return lowest_height_m(at(link, 0.0), normal_cdf(visibility_.at(link.uav, link.station / cells_per_site_)));
   }
 
   /// Most often the probability decides without the height at which the field equals it.
@@ -87,7 +90,7 @@ class Aerial final : public LinkModel {
     constexpr double clearly = 1e-4;  // more than the probability grows over lowest_height_tolerance_m
     const double probability = line_of_sight_probability(at(link, height_m));
     if (probability == 1.0) return true;
-    const double level = normal_cdf(visibility_.at(link.uav, link.station));
+    const double level = normal_cdf(visibility_.at(link.uav, link.station / cells_per_site_));
     if (probability < level) return false;
     return probability > level + clearly || height_m >= lowest_height_m(at(link, height_m), level);
   }
@@ -166,6 +169,7 @@ class Aerial final : public LinkModel {
 
   double carrier_ghz_;
   CarrierLoss carrier_;
+  std::uint32_t cells_per_site_;
   GaussianFields visibility_;
 };
 

@@ -57,6 +57,7 @@ TEST_CASE("the models of TR 36.777 are channel models") {
   for (const auto& model : radio::aerial_scenarios) {
     radio::check_link_model(model.word);
     radio::check_link_model(model.word, {{"carrier_ghz", 28}});
+    radio::check_link_model(model.word, {{"cells_per_site", "three"}, {"bs_antenna", "3gpp"}});
   }
 }
 
@@ -236,6 +237,41 @@ TEST_CASE("spectral efficiency ends where a world's highest modulation does, SIN
     }
   }
   CHECK(reached > 0);
+}
+
+TEST_CASE("the cells of a site share line of sight and shadowing, and differ by their azimuths") {
+  const Parameters world = radio::resolve_generated_world({{"preset", "3gpp-uma"}}, "world");
+  const world::City city = world::generate_city(world, 5, 0);
+  const auto map = radio::make_generated_map(world, city, 5, 0);
+  const auto spots = radio::make_generated_map(world, city, 5, 0);
+  for (const std::uint32_t point : {0U, 50U}) {
+    const auto& column = map->column(point, map->advance(point, {}, -1));
+    for (const double height_m : {40.0, 90.0, 250.0}) {
+      const radio::Explanation explained = radio::explain(world, city, 5, 0, point, height_m);
+      for (std::size_t k = 0; k < explained.stations.size(); ++k) {
+        const radio::StationExplanation& cell = explained.stations[k];
+        const radio::StationExplanation& first = explained.stations[k - k % 3];
+        CHECK(cell.blocking_height_m == first.blocking_height_m);
+        CHECK(cell.shadowing_db == first.shadowing_db);
+        // Element, path loss and shadowing by hand; the UAV's azimuth, seen from the cell, is the opposite one.
+        double off_deg = std::fabs(cell.azimuth_deg + 180.0 - (30.0 + 120.0 * static_cast<double>(k % 3)));
+        off_deg = std::fmod(off_deg, 360.0);
+        off_deg = std::min(off_deg, 360.0 - off_deg);
+        const double elevation_deg = std::atan2(height_m - 25.0, cell.distance_m) * (180.0 / std::numbers::pi);
+        const auto plane_db = [](double deg) { return std::min(12.0 * (deg / 65.0) * (deg / 65.0), 30.0); };
+        const double antenna_db = 8.0 - std::min(plane_db(off_deg) + plane_db(elevation_deg + 10.0), 30.0);
+        const double loss_db =
+            radio::path_loss_db({radio::AerialScenario::uma, 2.0, cell.distance_m, height_m}, cell.line_of_sight) +
+            cell.shadowing_db;
+        const double power_w = world.number("tx_power_w") * radio::beam_gain(std::numbers::pi / 4.0) *
+                               std::pow(10.0, 0.1 * (antenna_db - loss_db));
+        CHECK(cell.received_power_w == Approx(power_w).epsilon(1e-9));
+      }
+      const auto i = static_cast<std::uint32_t>(height_m - 40.0);
+      CHECK(column[i].qos == explained.spectral_efficiency);
+      CHECK(spots->reading(point, explained.position, i).qos == column[i].qos);
+    }
+  }
 }
 
 TEST_CASE("what is to be expected by a site map is line of sight and the mean path loss") {

@@ -189,6 +189,12 @@ void check_route_and_stations(const Parameters& world, std::string_view where) {
   require(world::cells_per_site(world) == 1 || world.text("bs_antenna") == "3gpp", where, "cells_per_site",
           fmt::format("three cells need antennas with azimuths of their own; set bs_antenna to \"3gpp\", not \"{}\"",
                       world.text("bs_antenna")));
+  const double sites = world.number("bs_density_per_km2") * std::pow(world.number("window_m") / 1000.0, 2);
+  require(world::cells_per_site(world) * (sites + 20.0 * std::sqrt(sites)) <= limits::base_stations, where,
+          "cells_per_site",
+          fmt::format("three at each of {:.0f} sites can be more base stations than the {} that are possible; lower "
+                      "bs_density_per_km2 or window_m",
+                      sites, limits::base_stations));
   const double enough = world::probability_of_enough_stations(world);
   require(
       enough > 0.0, where, "min_base_stations",

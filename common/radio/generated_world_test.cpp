@@ -124,4 +124,8 @@ TEST_CASE("wrong worlds are refused with path, value and what is allowed") {
   CHECK(error_of({{"neighbours", 5}}) == "accepted");
   CHECK_THAT(error_of({{"cells_per_site", "three"}}), Contains("world.cells_per_site") && Contains("\"3gpp\""));
   CHECK(error_of({{"cells_per_site", "three"}, {"bs_antenna", "3gpp"}}) == "accepted");
+  CHECK_THAT(
+      error_of({{"cells_per_site", "three"}, {"bs_antenna", "3gpp"}, {"bs_density_per_km2", 500}, {"window_m", 8000}}),
+      Contains("world.cells_per_site: three at each of 32000 sites") && Contains("65536"));
+  CHECK(error_of({{"bs_density_per_km2", 500}, {"window_m", 10'000}}) == "accepted");
 }

@@ -38,7 +38,7 @@ bool no_schema_can_say(const std::string& message) {
       // heights, route and base stations of one world against each other
       std::regex("height_m(ax|in)_m: .* is below|is no multiple of|does not divide|makes more than .* heights"),
       std::regex("leaves the city|is more than half of window_m|is too few for .* candidates|only one in .* cities "
-                 "has|than a hexagonal grid|three cells need"),
+                 "has|than a hexagonal grid|three cells need|three at each of"),
       // worlds that a channel model does not cover
       std::regex("is not the .* m of|is above the range of|is defined (from|up to)"),
       // names that are used twice, take too many bytes, or hold control characters

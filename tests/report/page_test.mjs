@@ -57,6 +57,7 @@ function leastMarks(name, data, condition, view) {
   const count = condition.views[view]?.agents.length;
   const known = (interval) => condition.views[view].agents.filter((agent) => agent.name !== 'min-height' && interval(agent)).length;
   const flight = condition.flight;
+  if (name.includes('-swept-')) return data.agents.length - 1;
   if (name.endsWith('-mean-height')) return data.agents.length;
   if (name.endsWith('-qos')) return condition.views[view].agents.reduce((sum, agent) => sum + (agent.trials > 1 ? 4 : 1), 0);
   if (name.endsWith('-gain')) return count - 1 + known((agent) => agent.gain.ci95);
@@ -146,6 +147,9 @@ describe('the report in a browser', () => {
       assert.ok(names.some((name) => name.endsWith(ending)), `no chart ${ending}`);
     assert.equal(names.filter((name) => name.endsWith('-qos')).length, data.conditions.length);
     assert.deepEqual(data.missing, []);
+    const planner = data.conditions[1].views.all.agents.find((agent) => agent.name === 'planner');
+    const points = await browser.evaluate(`[...document.querySelectorAll('[data-chart$=-gain-swept-bs-density-per-km2] path[aria-label]')].map((point) => point.getAttribute('aria-label'))`);
+    assert.ok(points.some((label) => label.includes(`Agent: planner **; Base stations per km²: 2.5; Mean gain: ${planner.gain.mean < 0 ? '−' : '+'}${Math.abs(planner.gain.mean).toFixed(2)}`)), points.join());
     assert.deepEqual(await barriers(browser), []);
     await picture(browser, 'generated-light');
   });
@@ -209,6 +213,7 @@ describe('the report in a browser', () => {
     assert.equal(knows['planner **'], 'foresight');
     assert.equal(knows['site-planner +'], 'site map');
     assert.equal(knows.dqn, 'own reports');
+    assert.deepEqual(names.filter((name) => name.includes('-gain-swept-')), ['many-gain-swept-bs-density-per-km2', 'many-gain-swept-building-density-per-km2', 'many-gain-swept-site-map-error-m']);
     await picture(browser, 'many-light');
     await checkPage(browser, page, {options: {width: 400, scheme: 'dark'}});
     await picture(browser, 'many-phone-dark');
@@ -222,6 +227,16 @@ describe('the report in a browser', () => {
     })()`);
     assert.deepEqual([table.hint, table.scrolled], ['visible', 300]);
     assert.ok(Math.abs(table.moved) < 1 && table.wide < 0.6, JSON.stringify(table));
+  });
+
+  test('two swept parameters: a cell for each agent and pair of values', async () => {
+    const {data} = await checkPage(browser, join(many, 'report.html'), {address: '#conditions=0,1,2,3,4,5,6,7,8', options: {width: 400}});
+    const cells = await browser.evaluate(`Object.fromEntries([...document.querySelectorAll('[data-chart$=-gain-swept-bs-density-per-km2-building-density-per-km2] .mark-text text[aria-label]')].map((text) => [text.getAttribute('aria-label'), text.textContent]))`);
+    assert.equal(Object.keys(cells).length, 9 * 21, Object.keys(cells).slice(0, 3).join());
+    const gain = data.conditions[5].views.all.agents.find((agent) => agent.name === 'dqn').gain.mean;
+    const [, shown] = Object.entries(cells).find(([label]) => label.includes('across: 2.5; up: 300;') && label.includes('Agent: dqn;'));
+    assert.equal(Number(shown.replace('−', '-')).toFixed(1), gain.toFixed(1).replace('-0.0', '0.0'));
+    await picture(browser, 'many-cells-phone');
   });
 
   test('agents and conditions are chosen with the keyboard, and the address keeps the choice', async () => {

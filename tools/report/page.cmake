@@ -21,7 +21,7 @@ add_custom_command(
   VERBATIM)
 
 set(page_sources
-    page/page.html page/style.css page/format.js page/privilege.js page/theme.js page/charts_statistics.js page/charts_flight.js page/charts.js page/dom.js page/filter.js
+    page/page.html page/style.css page/format.js page/privilege.js page/theme.js page/charts_statistics.js page/charts_swept.js page/charts_flight.js page/charts.js page/dom.js page/filter.js
     page/sections.js page/page.js)
 add_custom_command(
   OUTPUT "${ALOFT_REPORT_PAGE}"

@@ -102,6 +102,31 @@ json tier_list() {
   return list;
 }
 
+/// The last part of a swept path: "worlds.0.steps" is "steps".
+std::string parameter_of(const std::string& path) {
+  return path.substr(path.rfind('.') + 1);
+}
+
+/// The values that a condition has of all parameters its experiment sweeps, if they are numbers.
+json swept_values(const store::ResultStore& run, const ReportCondition& condition) {
+  json values = json::object();
+  for (const experiment::Condition& other : run.experiment().conditions)
+    for (const auto& [path, ignored] : other.parameters.items()) {
+      const json value = condition.all.world_parameters.value(parameter_of(path), json());
+      if (value.is_number()) values[parameter_of(path)] = value;
+    }
+  return values;
+}
+
+json parameter_titles(std::span<const store::ResultStore> runs) {
+  json titles = json::object();
+  for (const store::ResultStore& run : runs)
+    for (const experiment::Condition& condition : run.experiment().conditions)
+      for (const auto& [path, ignored] : condition.parameters.items())
+        titles[parameter_of(path)] = title_of_parameter(parameter_of(path));
+  return titles;
+}
+
 json condition_data(const store::ResultStore& run, const ReportCondition& condition, const Choice& choice) {
   const auto trial = trial_to_show(run, condition.index, choice.trial);
   return {{"experiment", condition.run},
@@ -109,6 +134,7 @@ json condition_data(const store::ResultStore& run, const ReportCondition& condit
           {"label", condition.all.label},
           {"place", condition.all.place},
           {"site_map", condition.all.site_map},
+          {"parameters", swept_values(run, condition)},
           {"world", sha256_hex(condition.all.world()).substr(0, 16)},
           {"kind", condition.all.kind == experiment::WorldKind::measured ? "measured" : "generated"},
           {"qos_name", condition.all.qos_name()},
@@ -216,6 +242,7 @@ nlohmann::json report_data(std::span<const store::ResultStore> runs, const Choic
             {"missing", missing_lines(conditions, several)},
             {"agents", agent_list(all)},
             {"metrics", metric_list()},
+            {"parameter_titles", parameter_titles(runs)},
             {"privilege_tiers", tier_list()},
             {"marks_explained", agents::marks_explained()},
             {"learner", learner.empty() ? json() : json(learner)},

@@ -95,6 +95,8 @@ TEST_CASE("Conditions that differ in the site map alone share a place", "[report
   fly(experiment::parse(document.dump(), "test"), dir / "results", everything);
   const json data = data_of(dir / "results");
   CHECK(data["conditions"][0]["label"] == "10 m off");
+  CHECK(data["conditions"][1]["parameters"] == json({{"site_map_error_m", 25}}));
+  CHECK(data["parameter_titles"] == json({{"site_map_error_m", "Error of the site map (m)"}}));
   for (const json& one : data["conditions"]) CHECK(one["place"] == "2.5 BS per km², 200 buildings per km²");
 }
 

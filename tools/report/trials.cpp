@@ -121,6 +121,15 @@ double qos_scale(WorldKind kind) {
   return kind == WorldKind::measured ? 1e-3 : 1.0;
 }
 
+std::string title_of_parameter(const std::string& key) {
+  if (key == "bs_density_per_km2") return "Base stations per km²";
+  if (key == "building_density_per_km2") return "Buildings per km²";
+  if (key == "site_map_error_m") return "Error of the site map (m)";
+  if (key == "site_map_missing") return "Share of the base stations that the site map lacks";
+  if (key == "site_map_route_points") return "Points of the route told ahead";
+  return key;
+}
+
 std::string title_of(const flight::Metric& metric) {
   std::string title(metric.name);
   title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));

@@ -58,6 +58,9 @@ struct ConditionTrials {
 /// The conditions of one store with their flights, in the order of the sweep.
 [[nodiscard]] std::vector<ConditionTrials> read_trials(const store::ResultStore& results);
 
+/// A parameter of worlds on an axis: "Base stations per km²"; its own name if it has no other.
+[[nodiscard]] std::string title_of_parameter(const std::string& key);
+
 /// "Energy (kJ)", "Handovers".
 [[nodiscard]] std::string title_of(const flight::Metric& metric);
 /// "kJ", "handovers".

@@ -2,6 +2,7 @@
 
 import {boxPlot, energyChart, gainChart, gainsOverview, hasGains, meanHeightChart, performanceProfile} from './charts_statistics.js';
 import {cityMap, epsilonCurve, heatMap, heightOverSteps, lossCurve, qValueCurves, qosOverSteps} from './charts_flight.js';
+import {sweptCharts} from './charts_swept.js';
 import {marked, tierNote} from './privilege.js';
 import {chartConfig} from './theme.js';
 import {slug} from './format.js';
@@ -69,6 +70,7 @@ export function allCharts(data, base) {
   data.experiments.forEach((experiment, index) => {
     const flown = data.conditions.some((condition) => condition.experiment === index && condition.views[base.view]);
     if (flown) add(`${slug(experiment.name)}-mean-height`, meanHeightChart(data, index, base), base);
+    for (const chart of sweptCharts(data, index, base.view)) add(`${slug(experiment.name)}-${chart.id}`, chart.build(base), base);
     if (hasGains(data, index, base.view)) add(`${slug(experiment.name)}-gains`, gainsOverview(data, index, base), base);
   });
   for (const condition of data.conditions) {

@@ -144,40 +144,51 @@ export function performanceProfile(data, condition, context) {
   };
 }
 
-/** Mean flying height in every condition of one experiment, with 95 % intervals; conditions are rows, which have room for any number of them. */
-export function meanHeightChart(data, experiment, context) {
-  const conditions = data.conditions.filter((condition) => condition.experiment === experiment && condition.views[context.view]);
-  const values = conditions.flatMap((condition, order) => condition.views[context.view].agents.map((agent) => ({
-    ...named(data, agent.name), condition: condition.label, order, height: agent.metrics['mean height'], ...ends(agent.height_ci95_m),
-    text: interval(agent.height_ci95_m, 1),
-  })));
-  const names = [...new Set(values.map((row) => row.agent))];
-  const lines = Math.max(...conditions.map((condition) => condition.label.split(', ').length));
-  const y = {
-    field: 'condition', type: 'nominal', sort: conditions.map((condition) => condition.label),
-    scale: {type: 'point', padding: 0.5}, axis: {title: null, grid: true, labelLimit: labelLimit(context), labelExpr: "split(datum.label, ', ')", labelLineHeight: 13, labelOffset: -6.5 * (lines - 1)},
-  };
+/** The gain of an agent over min-height; nothing for min-height itself. */
+export function gainOf(agent) {
+  return agent.gain && agent.name !== 'min-height' ? {value: agent.gain.mean, ci95: agent.gain.ci95} : {};
+}
+
+/** A line with points and intervals per agent. `rows`: named() with {along, order, value, ci95}; `along`, `value`: [channel, encoding]. */
+export function linesWithIntervals(data, context, rows, {height, along: [one, along], value: [other, value], tooltip}) {
+  const names = [...new Set(rows.map((row) => row.agent))];
+  const values = rows.map((row) => ({...row, ...ends(row.ci95), text: interval(row.ci95)}));
   const encoding = agentLineEncoding(data, context, names);
   const fills = tierFills(data, encoding.color.scale, surfaces[context.theme], names);
-  const x = (field) => ({field, type: 'quantitative', scale: {zero: false, nice: true}, axis: {title: 'Mean height (m)'}});
-  const tooltip = [
-    agentTip, {field: 'condition', title: 'Condition'},
-    {field: 'height', title: 'Mean height (m)', format: '.1f'}, {field: 'text', title: '95 % interval (m)'},
-  ];
+  const at = {[one]: along, [other]: {...value, field: 'value'}};
   return {
     usermeta: {agents: names},
-    height: 52 * conditions.length,
+    height,
     data: {values},
     layer: [
-      {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {x: x('height'), y, order: {field: 'order'}, ...encoding}},
-      ...layerOf(values, intervalKnown, {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {y, x: x('low'), x2: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}}),
+      {params: [pickInLegend], mark: {type: 'line', strokeWidth: 2}, encoding: {...at, order: {field: 'order'}, ...encoding}},
+      ...layerOf(values, intervalKnown, {mark: {type: 'rule', strokeWidth: 1.6}, encoding: {[one]: along, [other]: {...value, field: 'low'}, [`${other}2`]: {field: 'high'}, color: encoding.color, opacity: encoding.opacity}}),
       // The fill is no encoding here: its legend would be at odds with that of the lines.
       ...names.map((name, i) => ({
         data: {values: values.filter((row) => row.agent === name)}, mark: {type: 'point', filled: false, fill: fills[i], size: 52, strokeWidth: 2},
-        encoding: {x: x('height'), y, color: encoding.color, opacity: encoding.opacity, tooltip},
+        encoding: {...at, color: encoding.color, opacity: encoding.opacity, tooltip: [agentTip, ...tooltip, {field: 'text', title: '95 % interval'}]},
       })),
     ],
   };
+}
+
+/** Mean flying height in every condition of one experiment, with 95 % intervals; conditions are rows, which have room for any number of them. */
+export function meanHeightChart(data, experiment, context) {
+  const conditions = data.conditions.filter((condition) => condition.experiment === experiment && condition.views[context.view]);
+  const rows = conditions.flatMap((condition, order) => condition.views[context.view].agents.map((agent) => ({
+    ...named(data, agent.name), along: condition.label, order, value: agent.metrics['mean height'], ci95: agent.height_ci95_m,
+  })));
+  const labels = conditions.map((condition) => condition.label);
+  const lines = Math.max(...labels.map((label) => label.split(', ').length));
+  return linesWithIntervals(data, context, rows, {
+    height: 52 * conditions.length,
+    along: ['y', {
+      field: 'along', type: 'nominal', sort: labels, scale: {type: 'point', padding: 0.5},
+      axis: {title: null, grid: true, labelLimit: labelLimit(context), labelExpr: "split(datum.label, ', ')", labelLineHeight: 13, labelOffset: -6.5 * (lines - 1)},
+    }],
+    value: ['x', {type: 'quantitative', scale: {zero: false, nice: true}, axis: {title: 'Mean height (m)'}}],
+    tooltip: [{field: 'along', title: 'Condition'}, {field: 'value', title: 'Mean height (m)', format: '.1f'}],
+  });
 }
 
 /** The Pareto front: agents that no other one beats in quality with as little energy, by rising energy. */

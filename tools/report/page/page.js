@@ -2,6 +2,7 @@
 
 import {complete, defaultContext, flightCharts, statisticsCharts} from './charts.js';
 import {gainsOverview, hasGains, meanHeightChart} from './charts_statistics.js';
+import {sweptCharts} from './charts_swept.js';
 import {choice, h, ticks} from './dom.js';
 import {filtered, readFilter, writeFilter} from './filter.js';
 import {slug} from './format.js';
@@ -120,6 +121,10 @@ function experimentResults(experiment, index) {
   if (hasGains(data, index, state.view))
     parts.push(part('Gains over min-height in all conditions'), explain('gain'),
       h('div', {class: 'grid whole'}, figure(`${slug(experiment.name)}-gains`, 'Mean over trials, with 95 % intervals', (context) => gainsOverview(data, index, context))));
+  const swept = sweptCharts(data, index, state.view);
+  if (swept.length > 0)
+    parts.push(part('What the swept parameters do'), explain('swept'),
+      h('div', {class: 'grid whole'}, swept.map((chart) => figure(`${slug(experiment.name)}-${chart.id}`, chart.title, chart.build))));
   for (const chart of statisticsCharts) {
     const fitting = conditions.filter((condition) => chart.fits(condition.views[state.view]));
     if (fitting.length === 0) continue;
@@ -134,6 +139,7 @@ function experimentResults(experiment, index) {
 
 function explain(id) {
   const texts = {
+    swept: 'Means over trials; bars are 95 % bootstrap intervals. With more than two swept parameters, lines go over one of them where the others stay.',
     qos: 'Each value behind a box is the mean of one flight. Box: quartiles and median; whiskers: the last value within 1.5 box lengths; diamond: mean.',
     gain: 'Difference to min-height on the same worlds; the bar is the 95 % bootstrap interval of the mean.',
     profile: 'The share of trials whose mean exceeds a threshold: higher is better everywhere, crossing lines mean that no agent is best for all.',

@@ -34,6 +34,7 @@ export function chartConfig(theme) {
       labelColor: soft, titleColor: ink, gridColor: grid, domainColor: soft, tickColor: soft,
       labelFontSize: 12, titleFontSize: 12, titleFontWeight: 500, labelLimit: 160,
     },
+    axisQuantitative: {labelFlush: false},  // a last label that is moved inwards lies on the one before
     legend: {labelColor: ink, titleColor: ink, labelFontSize: 12, titleFontSize: 12, titleFontWeight: 500, labelLimit: 160},
     title: {color: ink, fontSize: 13, fontWeight: 600},
     text: {color: ink},

@@ -292,7 +292,7 @@ test('a measured flight without places goes up and down at 0 N 0 E, and its file
   const grid = join(scratch, 'grid.csv');
   writeFileSync(grid, 'step,height_m,throughput_kbps\n' + [1, 2, 3].flatMap((step) => [20, 30, 40].map((height) => `${step},${height},${1000 * height}\n`)).join(''));
   const file = join(scratch, 'others.json');
-  writeFileSync(file, JSON.stringify({name: 'others', seed: 3, trials: 1, worlds: [{name: 'grid', kind: 'measured', file: grid}, {route: 'serving', window_m: 2000, steps: 4}], agents: ['constant-40']}));
+  writeFileSync(file, JSON.stringify({name: 'others', seed: 3, trials: 1, worlds: [{name: 'grid', kind: 'measured', file: grid}, {name: 'serving', route: 'serving', window_m: 2000, steps: 4, bs_antenna: '3gpp', cells_per_site: 'three'}], agents: ['constant-40']}));
   const folder = join(scratch, 'others');
   succeed('run', file, '--out', folder, '--in-process');
   const out = join(scratch, 'others.mcap');
@@ -304,6 +304,15 @@ test('a measured flight without places goes up and down at 0 N 0 E, and its file
   const routes = messages.filter(({topic}) => topic === '/world').map(({content}) => content.entities.find(({id}) => id === 'route').lines[0].points);
   assert.deepEqual(routes, [[], []]);
   assert.deepEqual(messages.filter(({type}) => type === 'foxglove.SceneUpdate').flatMap(({content}) => content.entities).filter(({id}) => id === 'serving beam').map(({lines}) => lines.length), [0, 0, 0, 1, 1, 1, 1]);
+
+  // Three cells share a mast.
+  const masts = messages.findLast(({topic}) => topic === '/world').content.entities.find(({id}) => id === 'base stations');
+  const {base_stations} = JSON.parse(succeed('inspect', 'world', file, '--condition', 'serving'));
+  assert.equal(masts.cylinders.length, base_stations.length / 3);
+  masts.texts.forEach(({text, pose}, i) => {
+    assert.equal(text, `${3 * i}, ${3 * i + 1}, ${3 * i + 2}`);
+    for (const cell of text.split(', ')) assert.deepEqual([pose.position.x, pose.position.y], [base_stations[cell].x_m, base_stations[cell].y_m]);
+  });
 
   rmSync(grid);
   rmSync(out);

@@ -1,6 +1,6 @@
 #include "tools/export/scene.hpp"
 
-#include <fmt/format.h>
+#include <iterator>
 
 namespace aloft::exports {
 namespace {
@@ -69,15 +69,22 @@ void add_buildings(foxglove::SceneEntity& entity, const world::City& city) {
   }
 }
 
+/// One mast per site, with the numbers of its cells.
 void add_stations(foxglove::SceneEntity& entity, const DrawnWorld& world) {
-  for (const auto& [cell, position] : world.stations) {
+  std::string cells;
+  for (auto station = world.stations.begin(); station != world.stations.end(); ++station) {
+    const world::Position& position = station->second;
+    cells += (cells.empty() ? "" : ", ") + std::to_string(station->first);
+    const auto next = std::next(station);
+    if (next != world.stations.end() && next->second.x_m == position.x_m && next->second.y_m == position.y_m) continue;
     foxglove::CylinderPrimitive& mast = *entity.add_cylinders();
     place(*mast.mutable_pose(), position, 0.5 * world.antenna_height_m);
     set_size(*mast.mutable_size(), mast_width_m, world.antenna_height_m);
     mast.set_bottom_scale(1.0);
     mast.set_top_scale(0.3);
     *mast.mutable_color() = colour("#c0392b");
-    add_text(entity, std::to_string(cell), position, world.antenna_height_m + text_height_m, colour("#c0392b"));
+    add_text(entity, cells, position, world.antenna_height_m + text_height_m, colour("#c0392b"));
+    cells.clear();
   }
 }
 

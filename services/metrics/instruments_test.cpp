@@ -5,6 +5,7 @@
 #include "common/bus/answer_times.hpp"
 
 using namespace aloft;
+using namespace aloft::metrics;
 using Catch::Contains;
 
 TEST_CASE("answer times fall into the bucket that they do not exceed", "[metrics]") {
@@ -55,4 +56,22 @@ TEST_CASE("the histogram of answer times grows by what each worker has counted s
   instruments.answered("w0", 2, anew, 0.0);                 // restarted: counts from zero
   instruments.answered("w0", 2, bus::AnswerCounts{}, 0.0);  // an older status
   CHECK_THAT(instruments.prometheus_text(), Contains("aloft_answer_seconds_count 9\n"));
+}
+
+TEST_CASE("instruments read as Prometheus text") {
+  Instruments instruments;
+  instruments.stored(100);
+  instruments.stored(70);
+  instruments.rejected(Rejection::bad_trace);
+  instruments.committed(0.002);
+  instruments.set_paused(true);
+  instruments.set_progress(640, 4);
+  const std::string text = instruments.prometheus_text();
+  for (const char* line :
+       {"aloft_flights_stored_total 2\n", "aloft_steps_stored_total 170\n",
+        "aloft_records_rejected_total{reason=\"bad_trace\"} 1\n",
+        "aloft_records_rejected_total{reason=\"unknown_flight\"} 0\n",
+        "aloft_store_commit_seconds_bucket{le=\"0.001\"} 0\n", "aloft_store_commit_seconds_bucket{le=\"0.003\"} 1\n",
+        "aloft_store_paused 1\n", "aloft_flights_total 640\n", "aloft_workers_alive 4\n"})
+    CHECK_THAT(text, Contains(line));
 }

@@ -14,8 +14,8 @@
 #include "common/bus/convert.hpp"
 #include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
+#include "services/http/http_server.hpp"
 #include "services/metrics/collector.hpp"
-#include "services/metrics/http_server.hpp"
 #include "services/metrics/status_board.hpp"
 
 namespace aloft::metrics {
@@ -107,14 +107,17 @@ class Conversation {
   }
 
   void serve_http() {
-    const auto health = [this] { return board_.health(Clock::now()); };
-    const auto status = [this] { return HttpResponse{200, "application/json", board_.status_json()}; };
-    const auto numbers = [this] {
-      return HttpResponse{200, "text/plain; version=0.0.4; charset=utf-8", instruments_.prometheus_text()};
+    const auto health = [this](const http::HttpRequest&) { return board_.health(Clock::now()); };
+    const auto status = [this](const http::HttpRequest&) {
+      return http::HttpResponse{200, "application/json", board_.status_json()};
     };
-    http_ = std::make_unique<HttpServer>(
+    const auto numbers = [this](const http::HttpRequest&) {
+      return http::HttpResponse{200, "text/plain; version=0.0.4; charset=utf-8", instruments_.prometheus_text()};
+    };
+    http_ = std::make_unique<http::HttpServer>(
         options_.http_address, *options_.http_port,
-        std::map<std::string, HttpRoute>{{"/healthz", {health, true}}, {"/status", {status}}, {"/metrics", {numbers}}},
+        std::map<std::string, http::HttpRoute>{
+            {"/healthz", {health, true}}, {"/status", {status}}, {"/metrics", {numbers}}},
         options_.http_hosts);
     spdlog::info("http://{}:{}/status, /metrics and /healthz are up", options_.http_address, http_->port());
   }
@@ -295,7 +298,7 @@ class Conversation {
   bus::Reader<wire::RunControl> controls_{participant_};
   bus::Reader<wire::WorkerStatus> workers_{participant_};
   bus::Reader<wire::RunStatus> runs_{participant_};
-  std::unique_ptr<HttpServer> http_;
+  std::unique_ptr<http::HttpServer> http_;
   std::uint64_t flights_stored_;
   bool signed_ = false;
   Clock::time_point sign_at_;

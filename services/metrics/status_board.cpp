@@ -27,7 +27,7 @@ std::string StatusBoard::status_json() const {
   return view_.to_json(Clock::now()).dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-HttpResponse StatusBoard::health(Clock::time_point now) const {
+http::HttpResponse StatusBoard::health(Clock::time_point now) const {
   const std::lock_guard lock(health_mutex_);
   if (now - ticked_ > stalled_after) return {503, "text/plain", "the collector stands still\n"};
   return {200, "text/plain", paused_.empty() ? "ok\n" : paused_ + "\n"};

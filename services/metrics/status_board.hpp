@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "services/metrics/http_server.hpp"
+#include "services/http/http_server.hpp"
 #include "services/status/run_view.hpp"
 
 namespace aloft::metrics {
@@ -31,7 +31,7 @@ class StatusBoard {
   /// As `aloft status --format json` gives it: see RunView::to_json().
   [[nodiscard]] std::string status_json() const;
   /// 503 if the collector's loop has stood still for 10 s.
-  [[nodiscard]] HttpResponse health(Clock::time_point now) const;
+  [[nodiscard]] http::HttpResponse health(Clock::time_point now) const;
 
  private:
   mutable std::mutex mutex_;

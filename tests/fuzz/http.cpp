@@ -6,20 +6,20 @@
 
 #include <array>
 
-#include "services/metrics/http_server.hpp"
+#include "services/http/http_server.hpp"
 #include "tests/fuzz/target.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace aloft;
-  static metrics::HttpServer server("127.0.0.1", 0,
-                                    {{"/healthz",
-                                      {[] {
-                                         return metrics::HttpResponse{200, "text/plain", "ok\n"};
-                                       },
-                                       true}},
-                                     {"/metrics", {[] {
-                                        return metrics::HttpResponse{503, "text/plain", "slow\n"};
-                                      }}}});
+  static http::HttpServer server("127.0.0.1", 0,
+                                 {{"/healthz",
+                                   {[](const http::HttpRequest&) {
+                                      return http::HttpResponse{200, "text/plain", "ok\n"};
+                                    },
+                                    true}},
+                                  {"/metrics", {[](const http::HttpRequest&) {
+                                     return http::HttpResponse{503, "text/plain", "slow\n"};
+                                   }}}});
   const int connection = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -100,7 +100,7 @@ TEST_CASE(
   for (const char* test :
        {"aloft_bus_tests", "aloft_clear_text_filter_tests", "aloft_rediscovery_tests", "aloft_permissions_tests",
         "aloft_channel_tests", "aloft_agent_host_tests", "aloft_collector_tests", "aloft_coordinator_tests",
-        "aloft_metrics_http_tests", "aloft_standstill_watch_tests", "aloft_run_view_tests"})
+        "aloft_http_tests", "aloft_standstill_watch_tests", "aloft_run_view_tests"})
     CHECK_THAT(threads, Contains(test));
   INFO("what is run on another release of Debian in CI");
   for (const char* test : {"aloft_bus_tests", "aloft_rediscovery_tests", "aloft_worker_tests", "aloft_quick_tests"})

@@ -1,11 +1,13 @@
-#include "services/metrics/http_server.hpp"
+#include "services/http/http_server.hpp"
 
 #include <fmt/format.h>
 #include <httplib.h>
 
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
+#include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <catch2/catch.hpp>
 #include <future>
@@ -13,9 +15,8 @@
 #include <thread>
 
 #include "common/base/error.hpp"
-#include "services/metrics/instruments.hpp"
 
-using namespace aloft::metrics;
+using namespace aloft::http;
 using namespace std::chrono_literals;
 using Catch::Contains;
 using Clock = std::chrono::steady_clock;
@@ -23,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 HttpRoute fixed(int status, const std::string& body) {
-  return {[=] { return HttpResponse{status, "text/plain", body}; }, true};
+  return {[=](const HttpRequest&) { return HttpResponse{status, "text/plain", body}; }, true};
 }
 
 const std::map<std::string, HttpRoute> health{{"/healthz", fixed(200, "ok\n")}};
@@ -42,6 +43,13 @@ class RawClient {
     boost::system::error_code error;
     boost::asio::write(socket_, boost::asio::buffer(text.data(), text.size()), error);
     return !error;
+  }
+  /// Everything up to and with `end`, and what came with it; all if the server closes the connection before.
+  std::string until(const std::string& end) {
+    std::string text;
+    boost::system::error_code error;
+    boost::asio::read_until(socket_, boost::asio::dynamic_buffer(text), end, error);
+    return text;
   }
   /// Everything until the server closes the connection.
   std::string rest() {
@@ -97,8 +105,9 @@ TEST_CASE("the server answers its routes on loopback", "[http]") {
 
 TEST_CASE("a route that throws is answered, too", "[http]") {
   const HttpLimits limits{.waiting_answers = 2};
-  const HttpServer server("127.0.0.1", 0, {{"/status", {[]() -> HttpResponse { throw std::runtime_error("oh"); }}}}, {},
-                          limits);
+  const HttpServer server("127.0.0.1", 0,
+                          {{"/status", {[](const HttpRequest&) -> HttpResponse { throw std::runtime_error("oh"); }}}},
+                          {}, limits);
   httplib::Client client("127.0.0.1", server.port());
   for (int request = 0; request < 5; ++request) CHECK(client.Get("/status")->status == 500);
 }
@@ -197,7 +206,7 @@ TEST_CASE("one connection too many closes the least recently active one", "[http
 TEST_CASE("answers that take long do not delay the health, and do not pile up", "[http]") {
   std::promise<void> go_on;
   const std::shared_future<void> may_go_on = go_on.get_future().share();
-  const HttpRoute slow{[may_go_on] {
+  const HttpRoute slow{[may_go_on](const HttpRequest&) {
     may_go_on.wait();
     return HttpResponse{200, "text/plain", "at last\n"};
   }};
@@ -226,20 +235,112 @@ TEST_CASE("a server that ends leaves no client waiting", "[http]") {
   CHECK(half.rest().empty());
 }
 
-TEST_CASE("instruments read as Prometheus text", "[http]") {
-  Instruments instruments;
-  instruments.stored(100);
-  instruments.stored(70);
-  instruments.rejected(Rejection::bad_trace);
-  instruments.committed(0.002);
-  instruments.set_paused(true);
-  instruments.set_progress(640, 4);
-  const std::string text = instruments.prometheus_text();
-  for (const char* line :
-       {"aloft_flights_stored_total 2\n", "aloft_steps_stored_total 170\n",
-        "aloft_records_rejected_total{reason=\"bad_trace\"} 1\n",
-        "aloft_records_rejected_total{reason=\"unknown_flight\"} 0\n",
-        "aloft_store_commit_seconds_bucket{le=\"0.001\"} 0\n", "aloft_store_commit_seconds_bucket{le=\"0.003\"} 1\n",
-        "aloft_store_paused 1\n", "aloft_flights_total 640\n", "aloft_workers_alive 4\n"})
-    CHECK_THAT(text, Contains(line));
+namespace {
+
+/// Counts up: a new event each time it is asked.
+HttpRoute counter(std::atomic<int>& asked, std::chrono::milliseconds period = 10ms) {
+  return {[&asked](const HttpRequest& request) {
+            return HttpResponse{200, "application/json",
+                                request.query.at("of") + std::to_string(++asked) + "\nsecond line\n"};
+          },
+          false, period};
+}
+
+const std::string ask_for_events = "GET /events?of=a HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+}  // namespace
+
+TEST_CASE("queries reach the route as they come", "[http]") {
+  const HttpServer server("127.0.0.1", 0, {{"/flight", {[](const HttpRequest& request) {
+                                              std::string body = request.path;
+                                              for (const auto& [name, value] : request.query)
+                                                body += "|" + name + "=" + value;
+                                              return HttpResponse{200, "text/plain", body};
+                                            }}}});
+  httplib::Client client("127.0.0.1", server.port());
+  CHECK(client.Get("/flight?trial=7&condition=2")->body == "/flight|condition=2|trial=7");
+  CHECK(client.Get("/flight")->body == "/flight");
+  CHECK(client.Get("/flight?")->body == "/flight");
+  CHECK(client.Get("/flight?=&&a&b==1&a=2")->body == "/flight|=|a=|b==1");
+}
+
+TEST_CASE("what a route says of bad input is answered with 400", "[http]") {
+  const HttpServer server(
+      "127.0.0.1", 0, {{"/flight", {[](const HttpRequest&) -> HttpResponse { throw aloft::InputError("trial 9"); }}}});
+  httplib::Client client("127.0.0.1", server.port());
+  CHECK(client.Get("/flight")->status == 400);
+  CHECK(client.Get("/flight")->body == "trial 9\n");
+}
+
+TEST_CASE("pages of other origins get nothing, and no answer can run foreign scripts", "[http]") {
+  const HttpServer server("127.0.0.1", 0, health);
+  const std::string host = "localhost:" + std::to_string(server.port());
+  const auto from = [&](const std::string& origin) {
+    return answer(server,
+                  "GET /healthz HTTP/1.1\r\nHost: " + host + "\r\nOrigin: " + origin + "\r\nConnection: close\r\n\r\n");
+  };
+  CHECK_THAT(from("http://" + host), Contains(" 200 ") && Contains("Content-Security-Policy: default-src 'none'"));
+  CHECK_THAT(from("http://" + host), !Contains("Access-Control-Allow-Origin"));
+  for (const std::string& other :
+       std::vector<std::string>{"http://attacker.example", "null", "http://localhost:1", "http://x" + host, ""}) {
+    INFO(other);
+    CHECK_THAT(from(other), Contains(" 403 ") && !Contains("ok\n"));
+  }
+}
+
+TEST_CASE("viewers of the same events share them, and nothing is made without a viewer", "[http]") {
+  std::atomic<int> asked = 0;
+  const HttpServer server("127.0.0.1", 0, {{"/events", counter(asked)}, {"/healthz", fixed(200, "ok\n")}});
+  std::this_thread::sleep_for(100ms);
+  CHECK(asked == 0);
+  {
+    RawClient one(server);
+    RawClient other(server);
+    REQUIRE(one.send(ask_for_events));
+    const std::string head = one.until("second line\n\n");
+    CHECK_THAT(head, Contains(" 200 ") && Contains("text/event-stream") && Contains("\r\n\r\ndata: a1\ndata: second"));
+    REQUIRE(other.send(ask_for_events));
+    // The same events for both: no more were made than one of them has seen.
+    const std::string seen = other.until("data: a50\n");
+    CHECK_THAT(one.until("data: a50\n"), Contains("data: a49\n"));
+    CHECK(is_healthy(server));
+  }
+  // Once both have left, which the server notices when it sends, no more are made.
+  int before = -1;
+  for (int wait = 0; wait < 200 && before != asked; ++wait) {
+    before = asked;
+    std::this_thread::sleep_for(100ms);
+  }
+  CHECK(before == asked);
+}
+
+TEST_CASE("a viewer that reads slowly misses events, and one that does not read is cut off", "[http]") {
+  std::atomic<int> asked = 0;
+  const std::string large(1U << 20U, 'x');
+  const HttpRoute events{[&](const HttpRequest&) {
+                           return HttpResponse{200, "text/plain", std::to_string(++asked) + " " + large};
+                         },
+                         false, 1ms};
+  HttpLimits limits;
+  limits.time = 500ms;
+  const HttpServer server("127.0.0.1", 0, {{"/events", events}, {"/healthz", fixed(200, "ok\n")}}, {}, limits);
+  RawClient never_reads(server);
+  REQUIRE(never_reads.send("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+  std::this_thread::sleep_for(1500ms);
+  CHECK(is_healthy(server));
+  CHECK(never_reads.rest().size() < 20 * large.size());  // what was under way when it was cut off
+}
+
+TEST_CASE("events that do not change are not sent again, but a comment shows that the server is there", "[http]") {
+  const HttpRoute events{[](const HttpRequest&) -> HttpResponse { return {503, "text/plain", "no run\n"}; }, true, 5ms};
+  HttpLimits limits;
+  limits.silence = 50ms;
+  limits.event_streams = 1;
+  const HttpServer server("127.0.0.1", 0, {{"/events", events}}, {}, limits);
+  RawClient client(server);
+  REQUIRE(client.send("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n"));
+  const std::string sent = client.until(":\n\n:\n\n");
+  CHECK_THAT(sent, Contains("\r\n\r\nevent: failure\ndata: no run\n\n:\n\n"));
+  CHECK_THAT(answer(server, "GET /events HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
+             Contains(" 503 ") && Contains("too many viewers"));
 }

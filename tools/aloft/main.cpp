@@ -69,7 +69,7 @@ void add_commands(CLI::App& app, aloft::cli::Job& job) {
     for (std::size_t i = before; i < all.size(); ++i) all[i]->group(heading);
   };
   add_group("Fly experiments", {add_run, add_validate, add_tournament, add_reproduce});
-  add_group("Look at results", {add_report, add_compare, add_export, add_digest});
+  add_group("Look at results", {add_report, add_live, add_compare, add_export, add_digest});
   add_group("See what is there", {add_agents, add_inspect, add_status, add_doctor});
   add_group("Several machines, and changes in mid-flight",
             {add_coordinator, add_metrics, add_worker, add_swap, add_keys});
@@ -80,7 +80,7 @@ void add_commands(CLI::App& app, aloft::cli::Job& job) {
 
 /// The commands that read experiments or results, or list agents, take --plugin.
 void add_plugin_flags(CLI::App& app, std::vector<std::string>& plugins) {
-  for (const char* name : {"run", "validate", "tournament", "report", "compare", "export", "digest", "agents",
+  for (const char* name : {"run", "validate", "tournament", "report", "live", "compare", "export", "digest", "agents",
                            "coordinator", "metrics", "worker"})
     aloft::runtime::add_plugin_flag(*app.get_subcommand(name), plugins);
   for (const char* name : {"world", "table"})

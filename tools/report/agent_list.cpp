@@ -97,4 +97,13 @@ nlohmann::json agent_list(std::span<const ConditionTrials> conditions) {
   return list;
 }
 
+nlohmann::json tier_list() {
+  nlohmann::json list = nlohmann::json::array();
+  for (const agents::PrivilegeTier& tier : agents::privilege_tiers()) {
+    const char* shape = agents::foresees(tier.privilege) ? "hollow" : tier.mark.empty() ? "full" : "half";
+    list.push_back({{"name", tier.name}, {"mark", tier.mark}, {"sees", tier.sees}, {"shape", shape}});
+  }
+  return list;
+}
+
 }  // namespace aloft::report

@@ -19,4 +19,8 @@ namespace aloft::report {
 /// unless another agent of this one has it. With more agents than looks colours repeat, with other dashes.
 [[nodiscard]] nlohmann::json agent_list(std::span<const ConditionTrials> conditions);
 
+/// The tiers of knowledge, each after those that know less: [{"name", "mark", "sees", "shape": "full" | "half" |
+/// "hollow"}].
+[[nodiscard]] nlohmann::json tier_list();
+
 }  // namespace aloft::report

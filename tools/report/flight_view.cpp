@@ -54,7 +54,7 @@ json learning_curves(const flight::FlightRecord& record) {
   return curves;
 }
 
-json agent_track(const Flown& flown, double scale) {
+json agent_track(const Flown& flown, double scale, Quantities quantities) {
   json track{{"name", flown.agent},
              {"height_m", json::array()},
              {"qos", json::array()},
@@ -69,6 +69,11 @@ json agent_track(const Flown& flown, double scale) {
     track["x_m"].push_back(rounded(step.x_m));
     track["y_m"].push_back(rounded(step.y_m));
   }
+  if (quantities == Quantities::all)
+    for (const flight::StepRecord& step : flown.record.steps) {
+      track["sinr_db"].push_back(rounded(step.serving_sinr_db));
+      track["reward"].push_back(rounded(step.reward * scale));
+    }
   return track;
 }
 
@@ -121,7 +126,8 @@ std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, st
   return best == agents.end() ? std::nullopt : std::optional(best->first);
 }
 
-nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t condition, std::uint32_t trial) {
+nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t condition, std::uint32_t trial,
+                           Quantities quantities) {
   const experiment::Experiment& experiment = results.experiment();
   const double scale = qos_scale(experiment.conditions.at(condition).kind);
   const auto map = experiment::make_signal_map(experiment, experiment.conditions.at(condition), trial);
@@ -136,7 +142,7 @@ nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t cond
             {"map", quality_map(*map, flights.back().record, scale)},
             {"city", city_view(experiment, experiment.conditions.at(condition), trial)}};
   for (const flight::StepRecord& step : flights.back().record.steps) view["step"].push_back(step.step);
-  for (const Flown& flown : flights) view["agents"].push_back(agent_track(flown, scale));
+  for (const Flown& flown : flights) view["agents"].push_back(agent_track(flown, scale, quantities));
   return view;
 }
 

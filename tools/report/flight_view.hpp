@@ -13,6 +13,12 @@ namespace aloft::report {
 [[nodiscard]] std::optional<std::uint32_t> trial_to_show(const store::ResultStore& results, std::uint32_t condition,
                                                          std::optional<std::uint32_t> wanted);
 
+/// What is told of each agent's steps.
+enum class Quantities {
+  charted,  ///< what the report shows; it has many flights in one file
+  all       ///< also "sinr_db": [...] and "reward": [...] of each agent
+};
+
 /// One trial of a condition as all its agents flew it, and the world below them:
 /// {"trial", "step": [1...], "height_min_m", "height_max_m", "height_step_m",
 ///  "agents": [{"name", "height_m": [...], "qos": [...], "serving_cell": [...], "x_m": [...], "y_m": [...],
@@ -22,6 +28,6 @@ namespace aloft::report {
 ///  "city": null | {"building_width_m", "base_station_height_m", "base_stations": [[x, y]...],
 ///                  "buildings": [[x, y, height]...]}}
 [[nodiscard]] nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t condition,
-                                         std::uint32_t trial);
+                                         std::uint32_t trial, Quantities quantities = Quantities::charted);
 
 }  // namespace aloft::report

@@ -93,15 +93,6 @@ json metric_list() {
   return list;
 }
 
-json tier_list() {
-  json list = json::array();
-  for (const agents::PrivilegeTier& tier : agents::privilege_tiers()) {
-    const char* shape = agents::foresees(tier.privilege) ? "hollow" : tier.mark.empty() ? "full" : "half";
-    list.push_back({{"name", tier.name}, {"mark", tier.mark}, {"sees", tier.sees}, {"shape", shape}});
-  }
-  return list;
-}
-
 /// The last part of a swept path: "worlds.0.steps" is "steps".
 std::string parameter_of(const std::string& path) {
   return path.substr(path.rfind('.') + 1);

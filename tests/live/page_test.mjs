@@ -1,0 +1,146 @@
+// The page of `aloft live` in a real browser: flies a small experiment and looks at its flights.
+// Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER [SCREENSHOT_FOLDER]
+
+import assert from 'node:assert/strict';
+import {spawn} from 'node:child_process';
+import {mkdirSync, writeFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {after, before, describe, test} from 'node:test';
+import {aloft, pictures, run, scratch, sources, succeed} from '../report/aloft.mjs';
+import {Browser, findBrowser} from '../report/browser.mjs';
+
+const program = findBrowser();
+if (!program) {
+  console.log('SKIPPED: the live page in a browser: there is no Chromium on the PATH; install the package chromium');
+  process.exit(77);
+}
+
+const results = join(scratch, 'results');
+
+/** Starts `aloft live` and waits for the address that it prints. */
+async function serve(...given) {
+  const server = spawn(aloft, ['live', ...given], {cwd: sources, stdio: ['ignore', 'pipe', 'inherit']});
+  const ended = new Promise((resolve) => { server.on('exit', resolve); });
+  const address = await new Promise((resolve, reject) => {
+    server.stdout.on('data', (text) => resolve(String(text).trim()));
+    server.on('exit', () => reject(new Error('aloft live ended')));
+  });
+  return {address, stop: async () => { server.kill('SIGINT'); return ended; }};
+}
+
+async function picture(browser, name) {
+  if (!pictures) return;
+  mkdirSync(pictures, {recursive: true});
+  writeFileSync(join(pictures, `${name}.png`), await browser.screenshot());
+}
+
+/** Waits until the expression is true in the page. */
+async function comesTrue(browser, expression) {
+  for (let wait = 0; wait < 200; ++wait) {
+    if (await browser.evaluate(expression)) return;
+    await new Promise((resolve) => { setTimeout(resolve, 50); });
+  }
+  assert.fail(`never true: ${expression}`);
+}
+
+/** The cells of the table of the step that is shown: one row per agent. */
+const shownRows = `[...document.querySelectorAll('#tab-flight tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent))`;
+
+describe('a replay', {timeout: 300000}, () => {
+  let browser;
+  let page;
+  before(async () => {
+    const experiment = join(scratch, 'experiment.json');
+    writeFileSync(experiment, JSON.stringify({name: 'seen', description: '<b>Not bold</b>', seed: 5, trials: 2, world: {kind: 'generated', bs_density_per_km2: [1, 2.5, 5], steps: 40}, agents: ['min-height', {type: 'dqn', epochs: 20}, 'planner']}));
+    succeed('run', experiment, '--out', results, '--in-process');
+    browser = new Browser(program);
+    page = await serve(results);
+  });
+  after(async () => {
+    await browser?.close();
+    assert.equal(await page?.stop(), 0);
+  });
+
+  test('a link names condition, trial, agent and step, and the numbers are those of the store', async () => {
+    const steps = JSON.parse(succeed('export', results, '--steps', '--format', 'json')).filter((row) => row.condition.endsWith('=2.5') && row.trial === 1 && row.step === 17);
+    assert.equal(steps.length, 3);
+    await browser.open(`${page.address}#tab=flight&condition=1&trial=1&agent=dqn&step=17`);
+    const rows = await browser.evaluate(shownRows);
+    assert.ok(await browser.evaluate('document.querySelector("header p").textContent === "<b>Not bold</b>"'));
+    assert.deepEqual(rows.map((row) => row[0].split(' ')[0]).sort(), ['dqn', 'min-height', 'planner']);
+    for (const row of rows) {
+      const stored = steps.find((step) => step.agent === row[0].split(' ')[0]);
+      assert.equal(row[1], stored.height_m.toFixed(0));
+      assert.equal(row[2], String(stored.serving_cell));
+      assert.equal(row[3].replace('−', '-'), stored.serving_sinr_db.toFixed(1));
+      assert.equal(row[4], stored.qos.toFixed(2));
+    }
+    assert.match(await browser.evaluate('location.hash'), /condition=1&trial=1&agent=dqn&step=17$/);
+    await picture(browser, 'replay');
+    assert.deepEqual(browser.complaints, []);
+    for (const request of browser.requests) assert.ok(request.startsWith(page.address) || request === 'about:blank' || request.startsWith('data:'), request);
+  });
+
+  test('play, pause and steps, by buttons and keys', async () => {
+    const press = (label) => browser.evaluate(`document.querySelector('[aria-label="${label}"]').click()`);
+    const step = () => browser.evaluate('document.querySelector(".transport output").textContent');
+    const key = (name) => browser.evaluate(`document.body.dispatchEvent(new KeyboardEvent('keydown', {key: '${name}', bubbles: true}))`);
+    await press('First step');
+    assert.equal(await step(), 'step 1 of 40');
+    await press('One step on');
+    await key('ArrowRight');
+    assert.equal(await step(), 'step 3 of 40');
+    await key('ArrowLeft');
+    assert.equal(await step(), 'step 2 of 40');
+    await press('Last step');
+    await press('One step on');
+    assert.equal(await step(), 'step 40 of 40');
+    await key(' ');  // plays from the beginning
+    await comesTrue(browser, 'document.querySelector(".transport output").textContent === "step 5 of 40"');
+    await key(' ');
+    const paused = await step();
+    await new Promise((resolve) => { setTimeout(resolve, 400); });
+    assert.equal(await step(), paused);
+    await browser.evaluate(`(() => { const slider = document.querySelector('input[type=range]'); slider.value = 9; slider.dispatchEvent(new Event('input')); })()`);
+    assert.equal(await step(), 'step 10 of 40');
+    assert.match(await browser.evaluate('location.hash'), /step=10$/);
+  });
+
+  test('the canvases show something in both themes, and the page is no wider than a phone', async () => {
+    const drawn = `[...document.querySelectorAll('#tab-flight canvas')].map((canvas) => new Set(new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size)`;
+    for (const [width, scheme] of [[1280, 'light'], [1280, 'dark'], [400, 'light'], [400, 'dark']]) {
+      await browser.open(`${page.address}#tab=flight&condition=2&trial=0&agent=dqn&step=30`, {width, scheme});
+      const colours = await browser.evaluate(drawn);
+      assert.equal(colours.length, 8);  // the city, four quantities, and what a learner tells
+      for (const count of colours) assert.ok(count > 10, `${width} ${scheme}: ${colours}`);
+      assert.ok(await browser.evaluate('document.documentElement.scrollWidth <= window.innerWidth'), `wider than ${width}`);
+      await picture(browser, `replay-${width}-${scheme}`);
+    }
+  });
+
+  test('the results are those of the summary', async () => {
+    await browser.open(`${page.address}#tab=results`);
+    const rows = await browser.evaluate(`[...document.querySelectorAll('#tab-results tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent))`);
+    const flights = JSON.parse(succeed('export', results, '--flights', '--format', 'json'));
+    const of = (agent) => flights.filter((flight) => flight.condition.endsWith('=1') && flight.agent === agent).map((flight) => flight.qos_mean);
+    const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+    for (const row of rows.slice(0, 3)) {
+      const agent = row[0].split(' ')[0];
+      assert.equal(row[1], '2');
+      assert.equal(row[2], mean(of(agent)).toFixed(3));
+      assert.equal(row[4].replace('−', '-'), (mean(of(agent)) - mean(of('min-height')) < 0 ? '' : '+') + (mean(of(agent)) - mean(of('min-height'))).toFixed(3));
+    }
+    await picture(browser, 'replay-results');
+  });
+
+  test('what is not there is said', async () => {
+    for (const [path, status, text] of [['data/flight?condition=99&trial=0', 400, 'condition 99'], ['data/flight?condition=0&trial=77', 400, 'trial 77'], ['data/flight?trial=1', 400, "'condition' must be a whole number"], ['nothing', 404, '/data/flight']]) {
+      const answer = await fetch(page.address + path);
+      assert.equal(answer.status, status);
+      assert.ok((await answer.text()).includes(text), path);
+    }
+    const refused = run('live', join(scratch, 'nowhere'));
+    assert.equal(refused.status, 2);
+    assert.match(refused.stderr, /nowhere/);
+  });
+});

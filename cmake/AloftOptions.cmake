@@ -45,8 +45,8 @@ target_compile_options(aloft_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:-Wno-s
 target_include_directories(aloft_options INTERFACE "${CMAKE_SOURCE_DIR}")
 
 # g++ takes std::regex for uninitialized when instrumented, and files that share a translation unit have names in common
-# and are included; such warnings are for the release build.
-if(ALOFT_SANITIZE)
+# and are included; such warnings are for the release build of single files.
+if(ALOFT_SANITIZE OR CMAKE_UNITY_BUILD)
   target_compile_options(aloft_options INTERFACE -Wno-shadow
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-subobject-linkage>)
 endif()

@@ -74,6 +74,8 @@ function(aloft_add_test name)
   target_link_libraries(${name} PRIVATE aloft_options aloft_test_main ${ARG_DEPS})
   # In a unity build tests stay apart: their helpers are called alike from file to file.
   set_target_properties(${name} PROPERTIES ALOFT_NEEDS "${ARG_NEEDS}" UNITY_BUILD OFF)
+  # Most of what is compiled are tests, and what they test is optimised in its library: a fifth to a third less time.
+  target_compile_options(${name} PRIVATE -O1)
   set(labels ${ARG_TIER})
   if(ARG_USE_THREADS OR "${CMAKE_CURRENT_SOURCE_DIR}/" MATCHES "^${CMAKE_SOURCE_DIR}/(common/bus|services)/")
     list(APPEND labels threads)

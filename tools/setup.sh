@@ -97,6 +97,9 @@ for option in ALOFT_REPORT_CHARTS:report ALOFT_PYTHON:python ALOFT_TESTS:tests A
   had=$(sed -n "s/^$name:BOOL=//p" "$folder/CMakeCache.txt" 2> /dev/null || true)
   [ "$had" = ON ] || [ "$had" = "$wanted" ] || configure+=("-D$name=$wanted")
 done
+# What is built for the tests of another middleware alone is built once, on a release whose compiler is not the one that
+# judges: libraries and programs in one translation unit each take half the time.
+[ "${1:-}" != tests_middleware ] || configure+=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0)
 export CCACHE_NOHASHDIR=1 CCACHE_BASEDIR=$PWD CCACHE_SLOPPINESS=pch_defines,time_macros
 [ -f "$folder/build.ninja" ] && [ ${#configure[@]} -eq 0 ] || cmake --preset "$preset" "${configure[@]}"
 # In a folder that also has tests, the programs alone.

@@ -1,4 +1,4 @@
-// The page of `aloft live` in a real browser: flies a small experiment and looks at its flights.
+// The page of `aloft live` in a real browser: looks at stored flights, and at a run whose worker is killed.
 // Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER [SCREENSHOT_FOLDER]
 
 import assert from 'node:assert/strict';
@@ -142,5 +142,63 @@ describe('a replay', {timeout: 300000}, () => {
     const refused = run('live', join(scratch, 'nowhere'));
     assert.equal(refused.status, 2);
     assert.match(refused.stderr, /nowhere/);
+  });
+});
+
+describe('a run', {timeout: 300000}, () => {
+  const name = `live-${process.pid}`;
+  const place = ['--domain', String(process.pid % 90)];
+  const folder = join(scratch, 'run');
+  const children = [];
+  let browser;
+  let page;
+  const start = (...given) => {
+    const child = spawn(aloft, [...given, ...place], {cwd: sources, stdio: 'ignore'});
+    children.push(child);
+    return child;
+  };
+  before(async () => {
+    const experiment = join(scratch, 'long.json');
+    writeFileSync(experiment, JSON.stringify({name: 'long', seed: 5, trials: 4000, world: {kind: 'generated', bs_density_per_km2: [1, 5], steps: 40}, agents: ['min-height', {type: 'dqn', epochs: 40}]}));
+    for (const service of ['coordinator', 'metrics']) start(service, experiment, '--run', name, '--out', folder);
+    browser = new Browser(program);
+    page = await serve('--run', name, ...place);
+  });
+  after(async () => {
+    await browser?.close();
+    assert.equal(await page?.stop(), 0);
+    for (const child of children) child.kill('SIGKILL');
+  });
+
+  const rows = `[...document.querySelectorAll('#tab-run tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent))`;
+
+  test('the page tells what aloft status tells, and shows a killed worker as lost within 4 s', async () => {
+    const worker = start('worker', '--join', name, '--name', '<script>', '--log-dir', join(scratch, 'log'));
+    await new Promise((resolve) => { worker.on('exit', resolve); });  // such a name is refused
+    const good = start('worker', '--join', name, '--name', 'w0', '--log-dir', join(scratch, 'log'));
+    await browser.open(page.address);
+    await comesTrue(browser, `document.querySelector('#tab-run tbody')?.textContent.includes('alive')`);
+    await comesTrue(browser, `document.querySelectorAll('#tab-run dd')[1].textContent.endsWith(' of 16000')`);
+    const told = JSON.parse(succeed('status', '--run', name, ...place, '--format', 'json')).runs[0];
+    const shown = await browser.evaluate(rows);
+    assert.deepEqual(shown.map((row) => row[0]), told.workers.map((known) => known.worker));
+    assert.equal(shown[0][1], told.workers[0].host);
+    assert.equal(told.flights_total, 16000);
+    assert.ok(Number(shown[0][4]) <= told.workers[0].flights_done + 200);
+    await picture(browser, 'run');
+    process.kill(told.workers[0].pid, 'SIGKILL');
+    good.kill('SIGKILL');  // which would start it again
+    const killed = Date.now();
+    await comesTrue(browser, `document.querySelector('#tab-run .notice')?.textContent.includes('worker w0 on')`);
+    assert.ok(Date.now() - killed < 4500, `${Date.now() - killed} ms`);  // half a second for the event and the look
+    assert.equal((await browser.evaluate(rows))[0][2], 'lost');
+    await picture(browser, 'run-lost');
+    assert.deepEqual(browser.complaints, []);
+  });
+
+  test('without a run and without a folder there is nothing to watch', () => {
+    const refused = run('live');
+    assert.equal(refused.status, 2);
+    assert.match(refused.stderr, /--run NAME/);
   });
 });

@@ -7,11 +7,10 @@
 
 #include "common/base/error.hpp"
 #include "common/base/text_layout.hpp"
-#include "common/bus/endpoint.hpp"
 #include "common/bus/waiter.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
-#include "services/status/run_view.hpp"
+#include "services/status/run_observer.hpp"
 #include "tools/aloft/commands.hpp"
 #include "tools/aloft/table_options.hpp"
 
@@ -35,32 +34,6 @@ struct StatusOptions {
   double wait_s = 5.0;
   std::string format;
   TableOptions table;
-};
-
-/// Listens to one run.
-class RunObserver {
- public:
-  explicit RunObserver(const bus::BusOptions& place) : participant_(place), view_(place.run) {}
-
-  void listen() {
-    const auto now = Clock::now();
-    const auto hear = [&](const auto& message) { view_.hear(message, now); };
-    controls_.drain(hear);
-    runs_.drain(hear);
-    workers_.drain(hear);
-    collectors_.drain(hear);
-    view_.on_middleware(participant_.middleware_of(participant_.options().run));
-    view_.forget_old(now);
-  }
-  [[nodiscard]] const status::RunView& view() const noexcept { return view_; }
-
- private:
-  bus::Participant participant_;
-  bus::Reader<wire::RunControl> controls_{participant_};
-  bus::Reader<wire::RunStatus> runs_{participant_};
-  bus::Reader<wire::WorkerStatus> workers_{participant_};
-  bus::Reader<wire::CollectorStatus> collectors_{participant_};
-  status::RunView view_;
 };
 
 /// Listens to the run that was asked for, or to all that there are.
@@ -97,7 +70,7 @@ class Observer {
 
   const StatusOptions& options_;
   bus::Participant participant_;
-  std::map<std::string, RunObserver> runs_;
+  std::map<std::string, status::RunObserver> runs_;
 };
 
 /// JSON in ASCII, so that no text from the wire is a command to the terminal.

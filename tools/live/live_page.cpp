@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/base/build_info.hpp"
 #include "common/base/error.hpp"
 #include "common/base/number_text.hpp"
 #include "tools/live/embedded.hpp"
@@ -22,6 +23,13 @@ std::map<std::string, http::HttpRoute> page_routes() {
   return {{"/", file("text/html; charset=utf-8", embedded_html())},
           {"/live.js", file("text/javascript; charset=utf-8", embedded_script())},
           {"/live.css", file("text/css; charset=utf-8", embedded_style())}};
+}
+
+nlohmann::json empty_overview(const std::string& title) {
+  const nlohmann::json none = nlohmann::json::array();
+  return {{"title", title},    {"description", ""},       {"source", "aloft " + std::string(build_id())},
+          {"agents", none},    {"privilege_tiers", none}, {"marks_explained", ""},
+          {"conditions", none}};
 }
 
 http::HttpResponse json_answer(const nlohmann::json& data) {

@@ -11,6 +11,9 @@ namespace aloft::live {
 /// The routes of the page itself. InputError if the program was built without it.
 [[nodiscard]] std::map<std::string, http::HttpRoute> page_routes();
 
+/// What a page without stored flights starts with: as Replay::overview(), without conditions.
+[[nodiscard]] nlohmann::json empty_overview(const std::string& title);
+
 /// The answer of a data route: JSON in ASCII, whatever the names in it are.
 [[nodiscard]] http::HttpResponse json_answer(const nlohmann::json& data);
 

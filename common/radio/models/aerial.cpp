@@ -208,10 +208,10 @@ void check_world(AerialScenario scenario, const std::string& name, const Paramet
 }
 
 template <AerialScenario scenario>
-bool register_aerial(std::string name, std::string description) {
+bool register_aerial(const std::string& name, const std::string& description) {
   return register_link_model(
       {.name = name,
-       .description = std::move(description),
+       .description = description,
        .defaults = {{"base_station_height_m", facts(scenario).base_station_height_m}, {"carrier_ghz", 2.0}},
        .check = [name](const Parameters& world, std::string_view where) { check_world(scenario, name, world, where); },
        .make = [](const Parameters& world, const world::City& city, std::uint64_t seed,

@@ -3,6 +3,7 @@
 import {h} from '../../report/page/dom.js';
 import {Replay} from './replay.js';
 import {Results} from './results.js';
+import {RunTab} from './run.js';
 
 const state = readState();
 const main = document.querySelector('main');
@@ -85,16 +86,24 @@ function redrawWhenWidthChanges(redraw) {
   });
 }
 
-async function start() {
-  const overview = await fetched('data/overview');
+function runTab() {
+  const run = new RunTab(state);
+  return {name: 'run', title: 'Run', element: run.element, opened: () => run.open(), closed: () => run.close()};
+}
+
+function storedTabs(overview) {
   const replay = new Replay(overview, state, writeState);
   const results = new Results(overview);
-  let shown = null;
-  const showResults = async () => { shown ??= await fetched('data/results'); results.show(shown, state.theme); };
-  tabs = [
+  return [
     {name: 'flight', title: 'Flights', element: replay.element, opened: () => (replay.flight ? replay.draw() : replay.open()), closed: () => replay.pause()},
-    {name: 'results', title: 'Results', element: results.element, opened: showResults},
+    {name: 'results', title: 'Results', element: results.element, opened: async () => results.show(await fetched('data/results'), state.theme)},
   ];
+}
+
+async function start() {
+  const overview = await fetched('data/overview');
+  tabs = overview.run === null ? [] : [runTab()];
+  if (overview.conditions.length > 0) tabs.push(...storedTabs(overview));
   const redraw = () => tabs.find((tab) => tab.name === state.tab)?.opened();
   document.title = `${overview.title} – Aloft`;
   main.replaceChildren(

@@ -1,12 +1,12 @@
 // The page of `aloft live` in a real browser: looks at stored flights, and at a run whose worker is killed.
-// Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER [SCREENSHOT_FOLDER]
+// Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER NODE_MODULES [SCREENSHOT_FOLDER]
 
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
-import {mkdirSync, writeFileSync} from 'node:fs';
+import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
-import {aloft, pictures, run, scratch, sources, succeed} from '../report/aloft.mjs';
+import {aloft, modules, pictures, run, scratch, sources, succeed} from '../report/aloft.mjs';
 import {Browser, findBrowser} from '../report/browser.mjs';
 
 const program = findBrowser();
@@ -15,6 +15,7 @@ if (!program) {
   process.exit(77);
 }
 
+const axe = readFileSync(join(modules, 'axe-core', 'axe.min.js'), 'utf8');
 const results = join(scratch, 'results');
 
 /** Starts `aloft live` and waits for the address that it prints. */
@@ -26,6 +27,12 @@ async function serve(...given) {
     server.on('exit', () => reject(new Error('aloft live ended')));
   });
   return {address, stop: async () => { server.kill('SIGINT'); return ended; }};
+}
+
+/** What axe-core finds that keeps people out. */
+async function barriers(browser) {
+  await browser.evaluate(axe);
+  return browser.evaluate(`axe.run(document, {resultTypes: ['violations']}).then((found) => found.violations.filter((one) => ['serious', 'critical'].includes(one.impact)).map((one) => one.id + ': ' + one.nodes[0].html))`);
 }
 
 async function picture(browser, name) {
@@ -114,6 +121,7 @@ describe('a replay', {timeout: 300000}, () => {
       assert.equal(colours.length, 8);  // the city, four quantities, and what a learner tells
       for (const count of colours) assert.ok(count > 10, `${width} ${scheme}: ${colours}`);
       assert.ok(await browser.evaluate('document.documentElement.scrollWidth <= window.innerWidth'), `wider than ${width}`);
+      assert.deepEqual(await barriers(browser), []);
       await picture(browser, `replay-${width}-${scheme}`);
     }
   });
@@ -130,6 +138,7 @@ describe('a replay', {timeout: 300000}, () => {
       assert.equal(row[2], mean(of(agent)).toFixed(3));
       assert.equal(row[4].replace('−', '-'), (mean(of(agent)) - mean(of('min-height')) < 0 ? '' : '+') + (mean(of(agent)) - mean(of('min-height'))).toFixed(3));
     }
+    assert.deepEqual(await barriers(browser), []);
     await picture(browser, 'replay-results');
   });
 
@@ -192,6 +201,7 @@ describe('a run', {timeout: 300000}, () => {
     await comesTrue(browser, `document.querySelector('#tab-run .notice')?.textContent.includes('worker w0 on')`);
     assert.ok(Date.now() - killed < 4500, `${Date.now() - killed} ms`);  // half a second for the event and the look
     assert.equal((await browser.evaluate(rows))[0][2], 'lost');
+    assert.deepEqual(await barriers(browser), []);
     await picture(browser, 'run-lost');
     assert.deepEqual(browser.complaints, []);
   });

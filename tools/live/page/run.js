@@ -69,7 +69,7 @@ export class RunTab {
         fact('Flights/s', number(run.flights_per_s, 1)),
         fact('Steps/s', number(run.steps_per_s, 0)),
         fact('Time left', clock(run.eta_s ?? NaN)),
-        fact('Trials', `${run.trials.done} done, ${run.trials.leased} leased, ${run.trials.pending} pending, ${run.trials.failed} failed`),
+        fact('Trials done / leased / pending / failed', ['done', 'leased', 'pending', 'failed'].map((state) => run.trials[state]).join(' / ')),
         fact('Collector', run.collector.state, ['storing', 'unknown'].includes(run.collector.state) ? null : 'bad'),
         fact('Middleware', run.middleware.join(', ') || '–')),
       ...this.#problems(), ...this.#workers());

@@ -19,6 +19,8 @@ int write(const Options& options) {
     fmt::print(stderr, "{} conditions are not finished; the report says what is missing\n", written.missing_conditions);
   if (written.charts > 0) fmt::print(stderr, "{} charts: {}\n", written.charts, options.report.svg.string());
   fmt::print("{}\n", written.page.string());
+  for (const std::filesystem::path& file : {options.report.latex, options.report.pdf})
+    if (!file.empty()) fmt::print("{}\n", file.string());
   return exit_ok;
 }
 
@@ -33,6 +35,11 @@ void add_report(CLI::App& app, Job& job) {
   command->add_option("--out", options->report.page, "The HTML file [report.html in the result folder]");
   command->add_option("--svg", options->report.svg,
                       "Also write every chart as an SVG file into this folder (needs Node)");
+  command->add_option("--latex", options->report.latex,
+                      "Also write the tables as LaTeX (booktabs) into this file, to be read by \\input");
+  command->add_option("--pdf", options->report.pdf, "Also print the page into this PDF file (needs Chromium)");
+  command->add_option("--chromium", options->report.chromium,
+                      "The Chromium or Chrome that prints [$CHROMIUM, or the first one on the PATH]");
   command->add_option("--condition", options->report.choice.condition,
                       "Condition whose flight the page opens with: its name or number [0]");
   command->add_option("--trial", options->report.choice.trial,

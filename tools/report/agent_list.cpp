@@ -100,8 +100,16 @@ nlohmann::json agent_list(std::span<const ConditionTrials> conditions) {
 nlohmann::json tier_list() {
   nlohmann::json list = nlohmann::json::array();
   for (const agents::PrivilegeTier& tier : agents::privilege_tiers()) {
-    const char* shape = agents::foresees(tier.privilege) ? "hollow" : tier.mark.empty() ? "full" : "half";
-    list.push_back({{"name", tier.name}, {"mark", tier.mark}, {"sees", tier.sees}, {"shape", shape}});
+    const bool foresees = agents::foresees(tier.privilege);
+    list.push_back({{"name", tier.name},
+                    {"mark", tier.mark},
+                    {"sees", tier.sees},
+                    {"knows", foresees            ? "foresight"
+                              : tier.mark.empty() ? "own reports"
+                                                  : "site map"},
+                    {"shape", foresees            ? "hollow"
+                              : tier.mark.empty() ? "full"
+                                                  : "half"}});
   }
   return list;
 }

@@ -6,7 +6,9 @@
 
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
+#include "tools/report/latex.hpp"
 #include "tools/report/node.hpp"
+#include "tools/report/pdf.hpp"
 
 namespace aloft::report {
 namespace {
@@ -42,6 +44,13 @@ void write_page(const fs::path& file, const std::string& text) {
   }
 }
 
+/// Known before anything is written.
+void require_folder_of(const fs::path& file, std::string_view option) {
+  if (file.empty() || fs::is_directory(fs::absolute(file).parent_path())) return;
+  throw InputError("{}: there is no folder {}; make it, or choose another file", option,
+                   fs::absolute(file).parent_path().string());
+}
+
 }  // namespace
 
 void require_charts(std::string_view page) {
@@ -64,6 +73,9 @@ WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions
   require_charts();
   const std::vector<fs::path> folders = result_folders(dir);
   if (!options.svg.empty()) require_node("--svg");
+  const fs::path chromium = options.pdf.empty() ? fs::path() : require_chromium(options.chromium);
+  require_folder_of(options.latex, "--latex");
+  require_folder_of(options.pdf, "--pdf");
   std::vector<store::ResultStore> runs;
   runs.reserve(folders.size());
   for (const fs::path& folder : folders) runs.push_back(store::ResultStore::open_for_reading(folder));
@@ -71,6 +83,8 @@ WrittenReport write_report(const std::filesystem::path& dir, const ReportOptions
   WrittenReport written{options.page.empty() ? dir / "report.html" : options.page, data["missing"].size(), 0};
   write_page(written.page, render_page(data));
   if (!options.svg.empty()) written.charts = render_svgs(written.page, options.svg);
+  if (!options.latex.empty()) write_page(options.latex, latex_tables(data));
+  if (!options.pdf.empty()) print_pdf(chromium, written.page, options.pdf);
   return written;
 }
 

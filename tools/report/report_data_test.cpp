@@ -210,6 +210,6 @@ TEST_CASE("A page is one file that its data cannot break", "[report]") {
   CHECK(written.page == run.dir() / "report.html");
   CHECK_THAT(test::read_text(written.page), Catch::Contains("id=\"report-data\">{\""));
   CHECK_THROWS_WITH(report::write_report(run.dir() / "nowhere"), Catch::Contains("no such folder"));
-  CHECK_THROWS_WITH(report::write_report(run.dir(), {run.dir() / "no" / "page.html", {}, {}}),
+  CHECK_THROWS_WITH(report::write_report(run.dir(), {.page = run.dir() / "no" / "page.html"}),
                     Catch::Contains("cannot be written"));
 }

@@ -18,7 +18,7 @@ export function marked(data, name) {
 
 /** What an agent knows, in a word or two: the shape of its points says the same. */
 export function knows(data, name) {
-  return {full: 'own reports', half: 'site map', hollow: 'foresight'}[shapeOf(data, name)];
+  return tierOf(data, name).knows;
 }
 
 /** An agent's name in a row of a chart's data, with and without its mark. */
@@ -30,7 +30,7 @@ export function named(data, name) {
 export function tierNote(data, names) {
   const tiers = data.privilege_tiers.filter((tier) => names.some((name) => tierOf(data, name) === tier));
   if (names.length === 1) return [`${marked(data, names[0])} (${knows(data, names[0])}): sees ${tiers[0].sees}`];
-  return tiers.filter((tier) => tier.mark !== '').map((tier) => `${tier.mark} ${{half: 'site map', hollow: 'foresight'}[tier.shape]}: sees ${tier.sees}`);
+  return tiers.filter((tier) => tier.mark !== '').map((tier) => `${tier.mark} ${tier.knows}: sees ${tier.sees}`);
 }
 
 /** The label of an axis or a legend of agents, as a Vega expression. */

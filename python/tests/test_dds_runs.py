@@ -148,7 +148,7 @@ def test_min_height_of_the_examples_flies_as_the_agent_of_that_name(scene: Scene
     flights = {(row["agent"], row["trial"]): row for row in scene.export("--flights")}
     for trial in map(str, theirs):
         one, other = flights["min-height", trial], flights["visitor", trial]
-        assert {key for key in one if one[key] != other[key]} == {"agent", "digest"}
+        assert {key for key in one if one[key] != other[key]} == {"agent", "agent_type", "digest"}
 
 
 @pytest.mark.parametrize("kind", ["climber", "stairs"])

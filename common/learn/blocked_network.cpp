@@ -17,9 +17,16 @@ constexpr std::size_t rounded_up(std::size_t n) {
   return (n + lanes - 1) / lanes * lanes;
 }
 
+/// Outputs of a block with padding. A tile of the weight gradients walks through several blocks and their moments at once.
+/// With an odd number of cache lines from block to block these lie in different sets of every cache; 128 lines apart they
+/// would share one set, which has room for 8 or 12, and each store would delay the loads after it (4K aliasing).
+constexpr std::size_t padded_outputs(std::size_t outputs) {
+  return outputs | 1U;
+}
+
 /// Where weight (output, input) lies in the block layout.
 std::size_t block_index(const KernelLayer& layer, std::size_t output, std::size_t input) {
-  return ((input / lanes) * static_cast<std::size_t>(layer.outputs) + output) * lanes + input % lanes;
+  return (input / lanes) * static_cast<std::size_t>(layer.block_stride) + output * lanes + input % lanes;
 }
 
 }  // namespace
@@ -47,7 +54,8 @@ void BlockedNetwork::build_layers() {
   std::size_t widest = 0;
   for (const LayerShape& shape : shape_.layers) {
     const std::size_t rows = rounded_up(shape.inputs + 1);
-    const std::size_t parameters = rows * shape.outputs;
+    const std::size_t stride = padded_outputs(shape.outputs) * lanes;
+    const std::size_t parameters = rows / lanes * stride;
     widest = std::max({widest, rows, rounded_up(shape.outputs)});
     alive_.emplace_back(rows / lanes, 0U);
     KernelLayer& layer = layers_.emplace_back();
@@ -55,6 +63,7 @@ void BlockedNetwork::build_layers() {
     layer.outputs = static_cast<int>(shape.outputs);
     layer.blocks = static_cast<int>(rows / lanes);
     layer.activation = shape.activation;
+    layer.block_stride = static_cast<long>(stride);
     // One allocation for all three: separate large allocations start at the same offset in a page, and each store to
     // one array would delay the load from the next (4K aliasing).
     layer.weights = allocate(3 * parameters);

@@ -135,7 +135,7 @@ template <int N>
   const float* rows = layer.input;
   V sums[N];
   ALOFT_UNROLL for (int n = 0; n < N; ++n) sums[n] = V::of(0.0F);
-  for (int block = 0; block < layer.blocks; ++block, weights += layer.outputs * lanes, rows += lanes * lanes) {
+  for (int block = 0; block < layer.blocks; ++block, weights += layer.block_stride, rows += lanes * lanes) {
     unsigned alive = layer.alive[block];
     if (alive == whole_block) {  // pointers that only move by one are a quarter faster
       const float* x = rows;
@@ -190,8 +190,8 @@ void forward(KernelNetwork& network) {
 /// 16 are done. Result: `to` [B blocks][16 samples][16 inputs].
 template <int B, int S>
 void delta_tile(const KernelLayer& layer, int block, const int* order, int count, const float* delta, float* to) {
-  const float* const weights = layer.weights + block * layer.outputs * lanes;
-  const long stride = static_cast<long>(layer.outputs) * lanes;
+  const float* const weights = layer.weights + block * layer.block_stride;
+  const long stride = layer.block_stride;
   for (int s = 0; s < lanes; s += S) {
     V sums[B][S];
     ALOFT_UNROLL for (int b = 0; b < B; ++b) {
@@ -409,7 +409,7 @@ void gradient_layer(const KernelNetwork& network, const KernelLayer& layer, cons
   tile.delta = delta;
   tile.samples = network.samples;
   tile.order = network.order;
-  tile.block_stride = static_cast<long>(layer.outputs) * lanes;
+  tile.block_stride = layer.block_stride;
   tile.moments = layer.first_moments - layer.weights;
   in_equal_tiles<gradient_blocks>(layer.blocks, [&]<int B>(Size<B>, int block) {
     for (int s = 0; s < lanes; ++s) inputs[s] = layer.input_by_sample + (s * layer.blocks + block) * lanes;

@@ -27,6 +27,7 @@ struct KernelLayer {
   int outputs;
   int blocks;  ///< of 16 inputs, the constant one included
   Activation activation;
+  long block_stride;       ///< floats from one block to the next: 16 for each output, and padding
   float* weights;          ///< [block][output][16 inputs]; zero beyond the bias
   float* first_moments;    ///< same layout, scaled (see AdamSettings); in the same allocation, after the weights
   float* second_moments;   ///< same layout, scaled; at the same distance after the first moments

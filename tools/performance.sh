@@ -82,6 +82,15 @@ most samples whose ReLU is off. The difference between the random minibatches an
 give. The rest of the way to the floor is Adam, half of the time of a step: it reads and writes all weights and both
 moments, 1.1 MB, which is more than the first-level cache holds.
 TEXT
+  say "widths ..."
+  cat << 'TEXT'
+
+`build/bin/learn_benchmark --widths 64..512`: the same networks with other widths of the hidden layers, so that weights and
+moments (MB) fill one cache after the other; first the caches and what a loop of multiply-adds in place reads and
+writes in each. KB: what a step reads from a cache because no nearer one has it, counted by a model of caches that keep
+what was used last; transfer: the microseconds this takes at the measured bandwidth if nothing is computed meanwhile.
+TEXT
+  $bin/learn_benchmark --widths 64..512 | code
   if [ -x $bin/libtorch_benchmark ]; then
     say "libtorch ..."
     echo

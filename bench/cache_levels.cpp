@@ -11,6 +11,7 @@ namespace {
 
 constexpr int turns = 20;
 constexpr std::size_t bytes_per_turn = std::size_t{4} << 20U;
+constexpr std::size_t most_bytes = std::size_t{256} << 20U;  ///< more than caches hold for one core
 
 /// What Adam does to moments: reads, multiplies, adds, writes. Compiled for AVX2, which every machine with kernels has.
 __attribute__((target("avx2,fma"), optimize("O3"))) void sweep(float* values, std::size_t count) {
@@ -43,8 +44,8 @@ std::vector<CacheLevel> measure_cache_levels() {
   std::vector<CacheLevel> levels;
   if (l1 > 0) levels.push_back({"L1", l1, bytes_per_second(l1 / 2)});
   if (l2 > 0) levels.push_back({"L2", l2, bytes_per_second(l2 / 2)});
-  if (l3 > 0) levels.push_back({"L3", l3, bytes_per_second(l3 / 4)});
-  levels.push_back({"memory", 0, bytes_per_second(4 * std::max({l1, l2, l3, std::size_t{8} << 20U}))});
+  if (l3 > 0) levels.push_back({"L3", l3, bytes_per_second(std::min(l3 / 4, 4 * l2))});
+  levels.push_back({"memory", 0, bytes_per_second(most_bytes)});
   return levels;
 }
 

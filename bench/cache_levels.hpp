@@ -14,7 +14,7 @@ struct CacheLevel {
 };
 
 /// The data caches that a core of this machine sees, as the C library knows them, and memory. Bandwidth is measured
-/// over half of a level (a quarter of L3, which other cores use, too; four times L3 in memory). Takes 0.2 s.
+/// over half of L1 and L2, four times L2 for L3, which other cores use, too, and 256 MiB for memory. Takes a second.
 [[nodiscard]] std::vector<CacheLevel> measure_cache_levels();
 
 }  // namespace bench

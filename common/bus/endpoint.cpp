@@ -29,6 +29,7 @@ std::string not_created(const char* what, const TopicSettings& settings, const B
 }
 
 constexpr std::chrono::milliseconds max_blocking_time{1000};
+constexpr int looked_at_samples = 256;  // per key, that arrive between two looks
 
 /// The quality of service that writers and readers share: the middleware matches them only if it agrees.
 template <class Qos>
@@ -164,7 +165,7 @@ struct Reader<T>::State {
 };
 
 template <class T>
-Reader<T>::Reader(const Participant& participant) : state_(std::make_unique<State>()) {
+Reader<T>::Reader(const Participant& participant, const ReaderOptions& options) : state_(std::make_unique<State>()) {
   state_->participant = participant.state();
   state_->subscriber = &state_->participant->subscriber(state_->settings.scope);
   auto& entry = state_->participant->template topic<typename TypeSupportOf<T>::Type>(state_->settings);
@@ -172,7 +173,9 @@ Reader<T>::Reader(const Participant& participant) : state_(std::make_unique<Stat
   dds::DataReaderQos qos = dds::DATAREADER_QOS_DEFAULT;
   TopicSettings settings = state_->settings;
   settings.depth += settings.spare;
+  if (options.looks_on) settings.depth += looked_at_samples;
   apply(settings, qos);
+  if (options.looks_on) qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
   state_->reader = state_->subscriber->create_datareader(entry.topic, qos);
   if (state_->reader == nullptr)
     throw std::runtime_error(not_created("reader", state_->settings, state_->participant->options));

@@ -48,12 +48,18 @@ class Writer {
   std::unique_ptr<State> state_;
 };
 
+struct ReaderOptions {
+  /// Samples may be lost, and none is acknowledged, so that writers do the least for this reader; many may arrive
+  /// between two looks.
+  bool looks_on = false;
+};
+
 /// Subscribes to one topic. Samples that are malformed, out of range, or of another version or experiment never
 /// reach the caller: they are counted and logged.
 template <class T>
 class Reader {
  public:
-  explicit Reader(const Participant& participant);
+  explicit Reader(const Participant& participant, const ReaderOptions& options = {});
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
   ~Reader();

@@ -187,12 +187,20 @@ net::awaitable<void> HttpServer::State::converse(Connections::iterator client) {
 std::optional<Response> HttpServer::State::refusal(const Request& request, const HttpRequest& asked) const {
   if (std::optional<Response> refused = hosts.refusal(request)) return refused;
   Response response;
-  if (request.method() != beast_http::verb::get && request.method() != beast_http::verb::head) {
+  const auto route = routes.find(asked.path);
+  const bool takes_orders = route != routes.end() && !route->second.token.empty();
+  const bool is_order = request.method() == beast_http::verb::post;
+  const bool is_question = request.method() == beast_http::verb::get || request.method() == beast_http::verb::head;
+  if (takes_orders ? !is_order : !is_question) {
     response.result(beast_http::status::method_not_allowed);
-    response.set(beast_http::field::allow, "GET, HEAD");
+    response.set(beast_http::field::allow, takes_orders ? "POST" : "GET, HEAD");
     return response;
   }
-  const auto route = routes.find(asked.path);
+  if (takes_orders && !shows_token(request, route->second.token)) {
+    response.result(beast_http::status::forbidden);
+    response.body() = "this takes the token of the address that was printed\n";
+    return response;
+  }
   if (route == routes.end()) {
     response.result(beast_http::status::not_found);
     for (const auto& [known, unused] : routes) response.body() += known + "\n";

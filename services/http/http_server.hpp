@@ -29,6 +29,8 @@ struct HttpRoute {
   /// Above 0, the answers are server-sent events: the connection stays, and the answer is made again after each
   /// period, once for all who asked the same, and sent if it has changed. Nothing is made while nobody is connected.
   std::chrono::milliseconds event_period{0};
+  /// If given, the route takes orders: POST requests, of those who know it ("Authorization: Bearer TOKEN").
+  std::string token{};
 };
 
 /// Bounds on what clients can use up.
@@ -40,9 +42,10 @@ struct HttpLimits {
   std::chrono::milliseconds silence{5000};  ///< a stream without an event is sent a comment, to see whether it is there
 };
 
-/// Answers GET and HEAD requests until it is destroyed. One thread keeps all connections and never waits for any of
-/// them; another one makes the answers that are not quick. A viewer of events that reads slowly misses some of them,
-/// and is cut off if it takes none for HttpLimits::time: nothing is kept for it but the latest.
+/// Answers GET and HEAD requests, and POST requests of routes with a token, until it is destroyed. One thread keeps all
+/// connections and never waits for any of them; another one makes the answers that are not quick. A viewer of events
+/// that reads slowly misses some of them, and is cut off if it takes none for HttpLimits::time: nothing is kept for it
+/// but the latest.
 class HttpServer {
  public:
   /// Listens on an IPv4 address of this machine. Port 0 takes a free one. InputError if the port cannot be had.

@@ -10,6 +10,7 @@
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <future>
 #include <list>
 #include <thread>
@@ -343,4 +344,62 @@ TEST_CASE("events that do not change are not sent again, but a comment shows tha
   CHECK_THAT(sent, Contains("\r\n\r\nevent: failure\ndata: no run\n\n:\n\n"));
   CHECK_THAT(answer(server, "GET /events HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
              Contains(" 503 ") && Contains("too many viewers"));
+}
+
+TEST_CASE("orders need the token, POST, and no foreign page", "[http]") {
+  std::atomic<int> ordered = 0;
+  HttpRoute order{[&ordered](const HttpRequest& request) {
+    ++ordered;
+    return HttpResponse{200, "text/plain", request.query.at("agent") + "\n"};
+  }};
+  order.token = "0123456789abcdef";
+  const HttpServer server("127.0.0.1", 0, {{"/healthz", fixed(200, "ok\n")}, {"/swap", order}});
+  const auto sent = [&](const std::string& method, const std::string& headers) {
+    return answer(server, method + " /swap?agent=a HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
+                              "Content-Length: 0\r\n" + headers + "\r\n");
+  };
+  const std::string good = "Authorization: Bearer 0123456789abcdef\r\n";
+  CHECK_THAT(sent("POST", ""), Contains(" 403 ") && Contains("token"));
+  for (const std::string wrong : {"Bearer ", "Bearer 0123456789abcdeg", "Bearer 0123456789abcde",
+                                  "Bearer 0123456789abcdef0", "0123456789abcdef", "Basic 0123456789abcdef", "bearer"}) {
+    INFO(wrong);
+    CHECK_THAT(sent("POST", "Authorization: " + wrong + "\r\n"), Contains(" 403 "));
+  }
+  CHECK_THAT(sent("POST", "Authorization: Bearer x\r\n" + good), Contains(" 403 "));
+  CHECK_THAT(sent("GET", good), Contains(" 405 ") && Contains("Allow: POST"));
+  CHECK_THAT(sent("HEAD", good), Contains(" 405 "));
+  CHECK_THAT(sent("OPTIONS", good + "Origin: http://attacker.example\r\n"),
+             Contains(" 403 ") && !Contains("Access-Control"));
+  CHECK_THAT(sent("POST", good + "Origin: http://attacker.example\r\n"), Contains(" 403 "));
+  CHECK(ordered == 0);
+  CHECK_THAT(sent("POST", good + "Origin: http://localhost\r\n"), Contains(" 200 ") && Contains("\r\n\r\na\n"));
+  CHECK(ordered == 1);
+  httplib::Client client("127.0.0.1", server.port());
+  CHECK(client.Post("/healthz")->status == 405);  // no other route takes orders
+}
+
+TEST_CASE("10,000 connections cost a bounded number of descriptors, and keep nobody out", "[http]") {
+  const auto descriptors = [] {
+    const std::filesystem::directory_iterator open("/proc/self/fd");
+    return std::distance(begin(open), end(open));
+  };
+  HttpLimits limits;
+  limits.connections = 16;
+  const HttpServer server("127.0.0.1", 0, {{"/healthz", fixed(200, "ok\n")}}, {}, limits);
+  const auto before = descriptors();
+  std::list<RawClient> open;
+  std::ptrdiff_t most = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    open.emplace_back(server);
+    if (i % 3 == 0) (void)open.back().send("GET /healthz HTTP/1.1\r\nX: ");
+    if (open.size() > 100) open.pop_front();
+    if (i % 1000 == 999) {
+      CHECK(is_healthy(server));
+      most = std::max(most, descriptors() - before);
+    }
+  }
+  // A client has a socket, and an io_context with three descriptors of its own; the server has at most 17 sockets.
+  CHECK(most <= 101 * 4 + 17 + 4);
+  open.clear();
+  CHECK(is_healthy(server));
 }

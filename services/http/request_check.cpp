@@ -75,6 +75,20 @@ std::optional<Response> refusal_of(const error_code& error) {
   return response;
 }
 
+bool shows_token(const Request& request, std::string_view token) {
+  constexpr std::string_view scheme = "Bearer ";
+  if (request.count(beast_http::field::authorization) != 1) return false;
+  const auto field = request[beast_http::field::authorization];
+  std::string_view shown(field.data(), field.size());
+  if (!shown.starts_with(scheme)) return false;
+  shown.remove_prefix(scheme.size());
+  if (shown.size() != token.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < token.size(); ++i)
+    difference |= static_cast<unsigned char>(shown[i]) ^ static_cast<unsigned>(static_cast<unsigned char>(token[i]));
+  return difference == 0;
+}
+
 HttpRequest parsed(std::string_view target) {
   HttpRequest request;
   const std::size_t mark = std::min(target.find('?'), target.size());

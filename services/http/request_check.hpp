@@ -33,6 +33,9 @@ class HostNames {
 /// The answer to a request that cannot be read; none if its sender has left or is too slow.
 [[nodiscard]] std::optional<Response> refusal_of(const boost::system::error_code& error);
 
+/// Whether the request has the header "Authorization: Bearer TOKEN". How long this takes does not tell the token.
+[[nodiscard]] bool shows_token(const Request& request, std::string_view token);
+
 /// The path and the query of a request's target.
 [[nodiscard]] HttpRequest parsed(std::string_view target);
 

@@ -4,7 +4,6 @@
 #include <spdlog/sinks/rotating_file_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <CLI/Error.hpp>
@@ -15,6 +14,7 @@
 
 #include "common/agents/load_plugin.hpp"
 #include "common/base/error.hpp"
+#include "common/base/follow_parent.hpp"
 #include "services/runtime/bus_flags.hpp"
 #include "services/runtime/flag_checks.hpp"
 #include "services/runtime/help_format.hpp"
@@ -103,12 +103,6 @@ void open_log(const CommonOptions& options, const ServiceInfo& info, MadeLog& ma
   logger->set_formatter(plain_log("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %n: %v"));
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
-}
-
-void follow_parent() {
-  const pid_t parent = getppid();
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) raise(SIGTERM);  // the parent ended in between
 }
 
 /// Runs `work` and logs its error. Returns the exit code.

@@ -12,6 +12,7 @@ class RunObserver {
 
   /// Takes what has arrived. Never waits.
   void listen();
+  [[nodiscard]] const bus::Participant& participant() const noexcept { return participant_; }
   [[nodiscard]] const RunView& view() const noexcept { return view_; }
 
  private:

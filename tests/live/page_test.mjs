@@ -4,6 +4,7 @@
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {createServer} from 'node:http';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {aloft, modules, pictures, run, scratch, sources, succeed} from '../report/aloft.mjs';
@@ -18,16 +19,25 @@ if (!program) {
 const axe = readFileSync(join(modules, 'axe-core', 'axe.min.js'), 'utf8');
 const results = join(scratch, 'results');
 
-/** Starts `aloft live` and waits for the address that it prints. */
-async function serve(...given) {
-  const server = spawn(aloft, ['live', ...given], {cwd: sources, stdio: ['ignore', 'pipe', 'inherit']});
+/** Starts aloft and waits for the address that it prints. */
+async function started(...given) {
+  const server = spawn(aloft, given, {cwd: sources, stdio: ['ignore', 'pipe', 'pipe']});
   const ended = new Promise((resolve) => { server.on('exit', resolve); });
+  let printed = '';
   const address = await new Promise((resolve, reject) => {
-    server.stdout.on('data', (text) => resolve(String(text).trim()));
-    server.on('exit', () => reject(new Error('aloft live ended')));
+    const look = (text) => {
+      printed += text;
+      const found = /http:[^\s]+(?=\s)/.exec(printed);
+      if (found) resolve(found[0]);
+    };
+    server.stdout.on('data', look);
+    server.stderr.on('data', look);
+    server.on('exit', () => reject(new Error(`aloft ${given.join(' ')} ended: ${printed}`)));
   });
-  return {address, stop: async () => { server.kill('SIGINT'); return ended; }};
+  return {address, ended, printed: () => printed, stop: async () => { server.kill('SIGINT'); return ended; }};
 }
+
+const serve = (...given) => started('live', ...given);
 
 /** What axe-core finds that keeps people out. */
 async function barriers(browser) {
@@ -206,9 +216,169 @@ describe('a run', {timeout: 300000}, () => {
     assert.deepEqual(browser.complaints, []);
   });
 
+  test('names from the wire are text, whatever they are', async () => {
+    const evil = '<script>document.title="run"</script><img src=x onerror="document.title=1">';
+    const worker = {worker: evil, host: evil, pid: 1, state: 'lost', silent_s: 5, capacity: 1, leases: [], agents: [{agent: evil, type: evil, process: evil, state: 'lost', silent_s: 9, flights: 0}], flights_done: 0, flights_per_s: 0, steps_done: 0, steps_per_s: 0, answer_p50_ms: null, answer_p99_ms: null, records_unconfirmed: 0, drops: 0, missing: evil, failures: [{lease: evil, reason: evil}]};
+    const run = {run: evil, experiment: evil, middleware: [evil], state: 'running', flights_total: 1, flights_stored: 0, flights_per_s: 0, steps_per_s: 0, eta_s: null, trials: {pending: 0, leased: 0, done: 0, failed: 0}, message: evil, collector: {state: 'storing', message: evil}, workers: [worker, {...worker, state: 'alive'}]};
+    const flight = {stream: 0, streams: [{stream: 0, agent: evil, condition: 0, trial: 0}], flight: {condition: 0, trial: 0, over: false, step: [1], height_min_m: 0, height_max_m: 9, height_step_m: 1, agents: [{name: evil, stream: 0, at: 1, learning: null, height_m: [1], qos: [1], serving_cell: [0], x_m: [0], y_m: [0], sinr_db: [1], reward: [1]}]}};
+    const overview = {title: evil, description: evil, source: evil, agents: [], privilege_tiers: [{name: 'none', mark: '', sees: '', knows: '', shape: 'full'}], marks_explained: '', conditions: [{label: evil, qos_name: evil, qos_unit: evil, trials: []}], run: evil, stored: null, operator: true};
+    const fake = createServer(async (request, answer) => {
+      const path = new URL(request.url, 'http://x').pathname;
+      const events = {'/events/run': run, '/events/flight': flight}[path];
+      const data = {'/data/overview': overview, '/data/world': {city: null, route: null, map: null}}[path];
+      if (events) {
+        answer.writeHead(200, {'Content-Type': 'text/event-stream'});
+        answer.write(`data: ${JSON.stringify(events)}\n\n`);
+      } else if (data) {
+        answer.end(JSON.stringify(data));
+      } else {  // the page itself; without its policy, which would hide what this test looks for
+        const file = await fetch(page.address + path.slice(1));
+        answer.setHeader('Content-Type', file.headers.get('content-type'));
+        answer.end(await file.text());
+      }
+    });
+    await new Promise((resolve) => { fake.listen(0, '127.0.0.1', resolve); });
+    const address = `http://127.0.0.1:${fake.address().port}/`;
+    for (const tab of ['run', 'live']) {
+      await browser.open('about:blank').catch(() => {});
+      await browser.open(`${address}#tab=${tab}&token=t`);
+      await comesTrue(browser, `document.querySelector('#tab-${tab} tbody')?.textContent.includes('<script>')`);
+      assert.equal(await browser.evaluate('document.querySelectorAll("img, script:not([src])").length'), 0);
+      assert.match(await browser.evaluate('document.title'), /^<script>/);
+    }
+    fake.closeAllConnections();
+    await new Promise((resolve) => { fake.close(resolve); });
+  });
+
   test('without a run and without a folder there is nothing to watch', () => {
     const refused = run('live');
     assert.equal(refused.status, 2);
     assert.match(refused.stderr, /--run NAME/);
+  });
+});
+
+describe('aloft run --live', {timeout: 300000}, () => {
+  const name = `lively-${process.pid}`;
+  const place = ['--domain', String(process.pid % 90)];
+  const folder = join(scratch, 'lively');
+  let browser;
+  let live;
+  before(async () => {
+    const experiment = join(scratch, 'lively.json');
+    // Long enough to look at; ended by Ctrl-C.
+    writeFileSync(experiment, JSON.stringify({name: 'lively', seed: 5, on_agent_loss: 'failover', trials: 40000, world: {kind: 'generated', bs_density_per_km2: 5, steps: 40}, agents: [{type: 'dqn', epochs: 40}, 'planner', 'min-height', {type: 'relay', name: 'uav', crew: ['random-walk', 'min-height']}]}));
+    live = await started('run', experiment, '--out', folder, '--run', name, '--workers', '1', '--live', '--operator', ...place);
+    browser = new Browser(program);
+  });
+  after(async () => {
+    await browser?.close();
+    await live?.stop();
+  });
+  const base = () => live.address.split('#')[0];
+
+  test('the world that is shown is flown by all agents, and its numbers are those of the store', async () => {
+    await browser.open(`${base()}#tab=live`);
+    await comesTrue(browser, `document.querySelectorAll('#tab-live tbody tr').length === 4 && document.querySelector('#tab-live').textContent.includes('flown; the next')`);
+    const shown = await browser.evaluate(`({note: document.querySelector('#tab-live > p.soft').textContent, rows: [...document.querySelectorAll('#tab-live tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent)), streams: [...document.querySelectorAll('#choose-stream option')].map((option) => option.textContent)})`);
+    const trial = Number(/trial (\d+)/.exec(shown.note)[1]);
+    let steps = [];
+    for (let wait = 0; wait < 50 && steps.length < 4; ++wait) {
+      const all = run('export', folder, '--steps', '--format', 'json', '--trial', String(trial));
+      steps = all.status === 0 ? JSON.parse(all.stdout).filter((row) => row.step === 40) : [];
+      await new Promise((resolve) => { setTimeout(resolve, 100); });
+    }
+    assert.equal(steps.length, 4);
+    for (const row of shown.rows) {
+      const stored = steps.find((step) => step.agent === row[0].split(' ')[0]);
+      assert.equal(row[1], '40');
+      assert.equal(row[2], stored.height_m.toFixed(0));
+      assert.equal(row[3], String(stored.serving_cell));
+      assert.equal(row[4].replace('−', '-'), stored.serving_sinr_db.toFixed(1));
+      assert.equal(row[5], stored.qos.toFixed(2));
+    }
+    assert.ok(shown.streams.some((text) => text.endsWith('planner **')), String(shown.streams));
+    const charts = await browser.evaluate(`[...document.querySelectorAll('#tab-live figcaption')].map((caption) => caption.textContent).join('; ')`);
+    assert.match(charts, /seen ahead by planner \*\* alone/);
+    assert.match(charts, /Exploration rate/);  // the followed agent learns
+    assert.deepEqual(await barriers(browser), []);
+    assert.deepEqual(browser.complaints, []);
+  });
+
+  test('another stream is followed when it is chosen, and the address names it', async () => {
+    await browser.evaluate(`(() => { const list = document.querySelector('#choose-stream'); list.value = [...list.options].find((option) => option.textContent.includes('min-height')).value; list.dispatchEvent(new Event('change')); })()`);
+    await comesTrue(browser, `document.querySelector('#tab-live tr.chosen')?.textContent.startsWith('min-height')`);
+    assert.match(await browser.evaluate('location.hash'), /tab=live&worker=w0&stream=\d+$/);
+    assert.ok(!await browser.evaluate(`document.querySelector('#tab-live').textContent.includes('Exploration rate')`));
+  });
+
+  test('the canvases show something, and the pages are no wider than a phone', async () => {
+    for (const [width, scheme] of [[1280, 'light'], [400, 'dark'], [400, 'light']]) {
+      for (const tab of ['live', 'run', 'results']) {
+        await browser.open('about:blank').catch(() => {});
+        await browser.open(`${base()}#tab=${tab}`, {width, scheme});
+        await comesTrue(browser, `document.querySelector('#tab-${tab} tbody') !== null`);
+        assert.ok(await browser.evaluate('document.documentElement.scrollWidth <= window.innerWidth'), `${tab} wider than ${width}`);
+        if (tab === 'live') {
+          await comesTrue(browser, `[...document.querySelectorAll('#tab-live canvas')].every((canvas) => new Set(new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size > 10)`);
+          await comesTrue(browser, `document.querySelector('#tab-live').textContent.includes('flown; the next')`);
+        }
+        await picture(browser, `${tab}-${width}-${scheme}`);
+      }
+    }
+  });
+
+  test('results come as flights are stored', async () => {
+    await browser.open(`${base()}#tab=results`);
+    const stored = `Number(/Results of (\\d+) of 160000/.exec(document.querySelector('#tab-results').textContent)?.[1] ?? 0)`;
+    const before = await browser.evaluate(stored);
+    await comesTrue(browser, `${stored} > ${before} && ${before} >= 0`);
+    assert.deepEqual(await barriers(browser), []);
+  });
+
+  test('orders need the token of the printed address', async () => {
+    const token = /#token=([0-9a-f]{32})$/.exec(live.address)[1];
+    const order = (headers, method = 'POST') => fetch(`${base()}swap?worker=w0&agent=random-walk`, {method, headers});
+    assert.equal((await order({})).status, 403);
+    assert.equal((await order({Authorization: `Bearer ${token.replace(/.$/, 'g')}`})).status, 403);
+    assert.equal((await order({Authorization: `Bearer ${token}`, Origin: 'http://attacker.example'})).status, 403);
+    assert.equal((await order({Authorization: `Bearer ${token}`}, 'GET')).status, 405);
+    const control = `document.querySelector('#swap button') !== null`;
+    const reader = new Browser(program);  // who has the address without the token
+    await reader.open(base());
+    await comesTrue(reader, `document.querySelector('#tab-run tbody') !== null`);
+    assert.ok(!await reader.evaluate(control));
+    await reader.close();
+    await browser.open('about:blank').catch(() => {});
+    await browser.open(live.address);
+    await comesTrue(browser, control);
+    assert.ok(!await browser.evaluate('location.hash.includes("token")'));
+    await browser.evaluate(`(() => { const agent = document.querySelectorAll('#swap select')[1]; agent.value = 'min-height'; agent.dispatchEvent(new Event('change')); document.querySelector('#swap button').click(); })()`);
+    assert.match(await browser.evaluate(`document.querySelector('dialog[open]').textContent`), /From the next step on, min-height flies the relays of worker w0/);
+    assert.deepEqual(await barriers(browser), []);
+    await picture(browser, 'swap');
+    await browser.evaluate(`document.querySelector('dialog[open] button').click()`);
+    await comesTrue(browser, `/^min-height flies .* of worker w0 from now on/.test(document.querySelector('#swap p[role=status]').textContent)`);
+    const refused = await (await fetch(`${base()}swap?worker=nobody&agent=min-height`, {method: 'POST', headers: {Authorization: `Bearer ${token}`}})).text();
+    assert.match(refused, /no worker 'nobody'/);
+  });
+
+  test('without --operator there is no such route and no control', async () => {
+    const other = await serve('--run', name, ...place);
+    assert.equal((await fetch(`${other.address}swap?worker=w0&agent=min-height`, {method: 'POST', headers: {Authorization: 'Bearer x'}})).status, 405);
+    assert.equal((await fetch(`${other.address}swap`)).status, 404);
+    await browser.open(`${other.address}#token=${'0'.repeat(32)}`);
+    await comesTrue(browser, `document.querySelector('#tab-run tbody') !== null`);
+    assert.ok(!await browser.evaluate(`document.querySelector('#swap button') !== null`));
+    assert.equal(await other.stop(), 0);
+  });
+
+  test('the page ends with the run, and says how to see the flights', async () => {
+    await browser.open(`${base()}#tab=run`);
+    await comesTrue(browser, `document.querySelector('#tab-run tbody') !== null`);
+    assert.equal(await live.stop(), 130);
+    await comesTrue(browser, `document.querySelector('#tab-run').textContent.includes('aloft live does not answer')`);
+    assert.ok(await browser.evaluate(`document.querySelector('#tab-run').textContent.includes(${JSON.stringify(`aloft live ${folder}`)})`));
+    assert.ok(live.printed().includes(`aloft live ${folder}`));
+    await assert.rejects(fetch(base()));
   });
 });

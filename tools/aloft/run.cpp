@@ -36,6 +36,8 @@ int run(const RunOptions& options) {
                                  dir.string(), options.flying.in_process ? "" : ", log/",
                                  report::has_charts() ? "" : "tools/setup.sh && ", dir.string()),
                      text_width(STDERR_FILENO)));
+  if (options.flying.page.wanted)
+    fmt::print(stderr, "The page has ended with the run; the flights can be seen with: aloft live {}\n", dir.string());
   return exit_code;
 }
 
@@ -48,6 +50,10 @@ void add_run(CLI::App& app, Job& job) {
   options->experiment.add_to(*command);
   command->add_option("--out", options->out, "Result folder; an interrupted run in it is resumed [results/NAME]");
   options->flying.add_to(*command);
+  command->add_flag("--live", options->flying.page.wanted,
+                    "Show the run and its flights in a browser while it flies; prints the address (docs/live.md)");
+  command->add_flag("--operator", options->flying.page.with_control,
+                    "Let the page of --live order swaps, for those who have the printed address");
   add_format(*command, options->format, {"text", "json"});
   options->table.add_to(*command);
   command->callback([options, &job] { job = [options] { return run(*options); }; });

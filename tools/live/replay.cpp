@@ -6,10 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "common/base/build_info.hpp"
 #include "common/base/error.hpp"
 #include "tools/live/live_page.hpp"
-#include "tools/report/agent_list.hpp"
 #include "tools/report/flight_view.hpp"
 #include "tools/report/statistics_view.hpp"
 #include "tools/report/trials.hpp"
@@ -18,27 +16,24 @@ namespace aloft::live {
 
 using nlohmann::json;
 
+namespace {
+
+constexpr std::chrono::milliseconds event_period{1000};
+/// Statistics of a run that goes on take at most one part in so many of a core.
+constexpr int effort_divisor = 20;
+
+}  // namespace
+
 Replay::Replay(const std::filesystem::path& dir)
     : store_(store::ResultStore::open_for_reading(dir)), source_(std::filesystem::absolute(dir).string()) {}
 
 json Replay::overview() const {
   const experiment::Experiment& experiment = store_.experiment();
-  const std::vector<report::ConditionTrials> conditions = report::read_trials(store_);
-  std::vector<std::set<std::uint32_t>> trials(conditions.size());
+  std::vector<std::set<std::uint32_t>> trials(experiment.conditions.size());
   for (const experiment::FlightKey& key : store_.keys()) trials.at(key.condition).insert(key.trial);
-  json data{{"title", experiment.name},
-            {"description", experiment.description},
-            {"source",
-             fmt::format("{}: experiment {}, seed {}; aloft {}", source_, experiment.id, experiment.seed, build_id())},
-            {"agents", report::agent_list(conditions)},
-            {"privilege_tiers", report::tier_list()},
-            {"marks_explained", agents::marks_explained()},
-            {"conditions", json::array()}};
-  for (std::size_t i = 0; i < conditions.size(); ++i)
-    data["conditions"].push_back({{"label", conditions[i].label},
-                                  {"qos_name", conditions[i].qos_name()},
-                                  {"qos_unit", conditions[i].qos_unit()},
-                                  {"trials", trials[i]}});
+  json data = overview_of(experiment);
+  data["source"] = fmt::format("{}: {}", source_, data["source"].get<std::string>());
+  for (std::size_t i = 0; i < trials.size(); ++i) data["conditions"][i]["trials"] = trials[i];
   return data;
 }
 
@@ -51,7 +46,17 @@ json Replay::flight(std::uint32_t condition, std::uint32_t trial) const {
   return report::flight_view(store_, condition, trial, report::Quantities::all);
 }
 
-json Replay::results() const {
+const json& Replay::results() {
+  const std::size_t stored = store_.count();
+  const Clock::time_point start = Clock::now();
+  if (results_.is_null() || (stored != results_.at("flights_stored") && start >= results_due_)) {
+    results_ = computed_results(stored);
+    results_due_ = Clock::now() + effort_divisor * (Clock::now() - start);
+  }
+  return results_;
+}
+
+json Replay::computed_results(std::size_t stored) const {
   const experiment::Experiment& experiment = store_.experiment();
   json conditions = json::array();
   for (const report::ConditionTrials& condition : report::read_trials(store_)) {
@@ -59,17 +64,19 @@ json Replay::results() const {
     conditions.push_back(view.is_null() ? json() : json{{"agents", view["agents"]}});
   }
   return {
-      {"flights_stored", store_.count()},
+      {"flights_stored", stored},
       {"flights_expected", std::uint64_t{experiment.trials} * experiment.conditions.size() * experiment.agents.size()},
       {"conditions", std::move(conditions)}};
 }
 
-std::map<std::string, http::HttpRoute> Replay::routes() const {
+std::map<std::string, http::HttpRoute> Replay::routes() {
+  const auto results_now = [this](const http::HttpRequest&) { return json_answer(results()); };
   return {{"/data/overview", {[this](const http::HttpRequest&) { return json_answer(overview()); }}},
           {"/data/flight", {[this](const http::HttpRequest& request) {
              return json_answer(flight(number_of(request, "condition"), number_of(request, "trial")));
            }}},
-          {"/data/results", {[this](const http::HttpRequest&) { return json_answer(results()); }}}};
+          {"/data/results", {results_now}},
+          {"/events/results", {results_now, false, event_period}}};
 }
 
 }  // namespace aloft::live

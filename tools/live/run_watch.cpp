@@ -14,6 +14,12 @@ constexpr std::chrono::milliseconds event_period{500};
 void RunWatch::listen() {
   const std::lock_guard lock(mutex_);
   observer_.listen();
+  (void)follower_.update();
+}
+
+std::shared_ptr<const experiment::Experiment> RunWatch::experiment() const {
+  const std::lock_guard lock(mutex_);
+  return follower_.experiment();
 }
 
 std::map<std::string, http::HttpRoute> RunWatch::routes() const {
@@ -21,7 +27,7 @@ std::map<std::string, http::HttpRoute> RunWatch::routes() const {
     const std::lock_guard lock(mutex_);
     return json_answer(observer_.view().to_json(status::Clock::now()));
   };
-  return {{"/events/run", {news, false, event_period}}};
+  return {{"/events/run", {news, true, event_period}}};
 }
 
 }  // namespace aloft::live

@@ -77,15 +77,15 @@ json agent_track(const Flown& flown, double scale, Quantities quantities) {
   return track;
 }
 
-/// QoS at each step's place of this flight, over all heights.
-json quality_map(radio::SignalMap& map, const flight::FlightRecord& record, double scale) {
+/// QoS at the place of each step, over all heights. `places`: [step - 1].
+json quality_map(radio::SignalMap& map, const std::vector<world::Position>& places, double scale) {
   const radio::HeightGrid& grid = map.heights();
   const auto stride = std::max(1U, static_cast<std::uint32_t>(std::lround(map_resolution_m / grid.resolution_m)));
   json heights = json::array();
   for (std::uint32_t k = 0; k < grid.size(); k += stride) heights.push_back(rounded(grid.height_m(k)));
   json columns = json::array();
-  for (const flight::StepRecord& step : record.steps) {
-    const std::vector<radio::Reading>& readings = map.column(map.result_point(step.step), {step.x_m, step.y_m});
+  for (std::uint32_t step = 1; step <= places.size(); ++step) {
+    const std::vector<radio::Reading>& readings = map.column(map.result_point(step), places[step - 1]);
     json column = json::array();
     for (std::uint32_t k = 0; k < grid.size(); k += stride)
       column.push_back(std::round(readings[k].qos * scale * 100) / 100);
@@ -133,16 +133,39 @@ nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t cond
   const auto map = experiment::make_signal_map(experiment, experiment.conditions.at(condition), trial);
   const std::vector<Flown> flights = read_flights(results, condition, trial);
   const radio::HeightGrid& grid = map->heights();
+  std::vector<world::Position> places;
+  for (const flight::StepRecord& step : flights.back().record.steps) places.push_back({step.x_m, step.y_m});
   json view{{"trial", trial},
             {"step", json::array()},
             {"height_min_m", grid.height_min_m},
             {"height_max_m", grid.height_max_m},
             {"height_step_m", grid.height_step_m},
             {"agents", json::array()},
-            {"map", quality_map(*map, flights.back().record, scale)},
+            {"map", quality_map(*map, places, scale)},
             {"city", city_view(experiment, experiment.conditions.at(condition), trial)}};
   for (const flight::StepRecord& step : flights.back().record.steps) view["step"].push_back(step.step);
   for (const Flown& flown : flights) view["agents"].push_back(agent_track(flown, scale, quantities));
+  return view;
+}
+
+nlohmann::json world_view(const experiment::Experiment& experiment, std::uint32_t condition, std::uint32_t trial) {
+  const experiment::Condition& place = experiment.conditions.at(condition);
+  const auto map = experiment::make_signal_map(experiment, place, trial);
+  json view{{"city", city_view(experiment, place, trial)}, {"route", nullptr}, {"map", nullptr}};
+  if (!map->fixed_route()) return view;
+  std::vector<world::Position> places;
+  json xs = json::array();
+  json ys = json::array();
+  for (std::uint32_t step = 1; step <= map->steps(); ++step) {
+    constexpr std::int32_t any_cell = -1;
+    places.push_back(map->advance(map->result_point(step), places.empty() ? map->start() : places.back(), any_cell));
+    xs.push_back(rounded(places.back().x_m));
+    ys.push_back(rounded(places.back().y_m));
+  }
+  view["route"] = {{"x_m", std::move(xs)}, {"y_m", std::move(ys)}};
+  const bool foreseen = std::ranges::any_of(
+      experiment.agents, [](const agents::AgentSpec& agent) { return agents::foresees(agent.privilege()); });
+  if (foreseen) view["map"] = quality_map(*map, places, qos_scale(place.kind));
   return view;
 }
 

@@ -30,4 +30,10 @@ enum class Quantities {
 [[nodiscard]] nlohmann::json flight_view(const store::ResultStore& results, std::uint32_t condition,
                                          std::uint32_t trial, Quantities quantities = Quantities::charted);
 
+/// The world of a trial before it is flown: {"city": as above, "route": null | {"x_m", "y_m": [one per step]}, "map":
+/// as above | null}. The route is null if it depends on the flight, and so is the map, also if no agent of the
+/// experiment sees the future.
+[[nodiscard]] nlohmann::json world_view(const experiment::Experiment& experiment, std::uint32_t condition,
+                                        std::uint32_t trial);
+
 }  // namespace aloft::report

@@ -144,12 +144,16 @@ bool shown_before(const AgentTrials& a, const AgentTrials& b) {
   return agents::agent_type(a.type).rank_of(a.name) < agents::agent_type(b.type).rank_of(b.name);
 }
 
-std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
-  const experiment::Experiment& experiment = results.experiment();
+std::vector<ConditionTrials> without_flights(const experiment::Experiment& experiment) {
   std::vector<ConditionTrials> conditions;
   conditions.reserve(experiment.conditions.size());
   for (const experiment::Condition& condition : experiment.conditions)
     conditions.push_back(describe(experiment, condition));
+  return conditions;
+}
+
+std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
+  std::vector<ConditionTrials> conditions = without_flights(results.experiment());
   std::vector<std::map<std::string, AgentTrials*, std::less<>>> by_name(conditions.size());
   for (std::size_t i = 0; i < conditions.size(); ++i)
     for (AgentTrials& agent : conditions[i].agents) by_name[i][agent.name] = &agent;

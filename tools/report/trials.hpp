@@ -55,6 +55,9 @@ struct ConditionTrials {
 /// Measured throughput is stored in kbit/s and shown in Mbit/s.
 [[nodiscard]] double qos_scale(experiment::WorldKind kind);
 
+/// The conditions of an experiment and its agents, without a flight.
+[[nodiscard]] std::vector<ConditionTrials> without_flights(const experiment::Experiment& experiment);
+
 /// The conditions of one store with their flights, in the order of the sweep.
 [[nodiscard]] std::vector<ConditionTrials> read_trials(const store::ResultStore& results);
 

@@ -19,12 +19,15 @@
 #include "tools/aloft/in_process.hpp"
 #include "tools/aloft/interrupt.hpp"
 #include "tools/aloft/supervise/local_run.hpp"
+#include "tools/live/live_page.hpp"
 
 namespace aloft::cli {
 namespace {
 
 // Each worker is four processes; the rest are coordinator, collector, discovery server and this process.
 constexpr unsigned max_workers = (bus::max_processes - 4) / 4;
+
+constexpr std::chrono::milliseconds page_limit{5000};
 
 /// Counts the flights in the database, whatever the coordinator has reported.
 bool all_there(const std::filesystem::path& dir, std::vector<std::string>& failures) {
@@ -51,6 +54,12 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     progress.note(fmt::format("{}: {} of {} flights are already there", dir.string(), already_done, total));
   bool complete = already_done == total;
   if (!complete && options.in_process) {
+    std::optional<PageProcess> page;
+    if (options.page.wanted) {
+      bus::BusOptions no_run;
+      no_run.run.clear();
+      for (const std::string& line : page.emplace(dir, no_run, options.page).first_news(page_limit)) progress.note(line);
+    }
     failures =
         run_in_process(*results, options.workers_here(), options.shuffled, options.fail_fast, progress, interrupted);
     complete = results->keys().size() == total;
@@ -73,6 +82,11 @@ unsigned FlyingOptions::learner_threads_per_worker() const {
 }
 
 void FlyingOptions::check(const experiment::Experiment& experiment) const {
+  if (page.wanted) (void)live::page_routes();  // it must have been built
+  if (page.with_control && !page.wanted)
+    throw InputError("--operator is for the page in a browser; add --live, or order swaps with: aloft swap");
+  if (page.with_control && in_process)
+    throw InputError("--operator: with --in-process there are no workers to give orders to; leave one of the two out");
   if (in_process) check_flies_in_process(experiment);
   if (in_process && workers_here() == 0)
     throw InputError("--workers 0: --in-process needs a thread at least; use 1 to 64");
@@ -83,7 +97,7 @@ void FlyingOptions::check(const experiment::Experiment& experiment) const {
         workers_here(), bus::max_processes, max_workers);
   if (!bus.secure.empty())  // services that refuse their keys would be restarted again and again
     for (const security::Role role : security::all_roles)
-      if (role != security::Role::run_operator) (void)security::check_keys(bus.secure, role);
+      if (role != security::Role::run_operator || page.with_control) (void)security::check_keys(bus.secure, role);
 }
 
 void FlyingOptions::add_to(CLI::App& command) {

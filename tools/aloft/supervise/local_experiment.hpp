@@ -10,6 +10,7 @@
 #include "common/base/text_layout.hpp"
 #include "common/bus/participant.hpp"
 #include "common/experiment/experiment.hpp"
+#include "tools/aloft/supervise/page_process.hpp"
 
 namespace aloft::cli {
 
@@ -21,6 +22,7 @@ struct FlyingOptions {
   bool unpinned = false;
   bool in_process = false;
   bool shuffled = false;
+  PageOptions page;
   bus::BusOptions bus;
 
   void add_to(CLI::App& command);

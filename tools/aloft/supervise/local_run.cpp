@@ -109,6 +109,8 @@ bool run_local(const std::filesystem::path& dir, const FlyingOptions& options, c
   Processes processes(place, dir / "log");
   add_services(processes, dir, options);
   processes.start_all();
+  std::optional<PageProcess> page;
+  if (options.page.wanted) page.emplace(dir, place, options.page);
   wire::RunStatus last;
   while (!processes.decision() && !interrupted) {
     waiter.wait(poll_period);
@@ -121,6 +123,8 @@ bool run_local(const std::filesystem::path& dir, const FlyingOptions& options, c
     });
     progress.tick();
     for (const std::string& line : processes.supervise()) progress.note(line);
+    if (page)
+      for (const std::string& line : page->news()) progress.note(line);
   }
   for (const std::string& name : processes.stop(interrupted ? stop_limit : finish_limit))
     progress.note(fmt::format("{} did not stop in time and was killed", name));

@@ -6,8 +6,10 @@ const slack_m = 150;
 
 /** What is shown: the route of this flight, and the base stations that serve the agent on it. */
 function frameOf(flight, track) {
-  const xs = [...track.x_m];
-  const ys = [...track.y_m];
+  const {x_m, y_m} = flight.route ?? track;
+  const xs = x_m.filter((x) => x !== null);
+  const ys = y_m.filter((y) => y !== null);
+  if (xs.length === 0) return {x: [-slack_m, slack_m], y: [-slack_m, slack_m]};
   for (const cell of new Set(track.serving_cell)) {
     const station = flight.city?.base_stations[cell];
     if (station) { xs.push(station[0]); ys.push(station[1]); }
@@ -27,11 +29,11 @@ export function drawCity(canvas, {flight, track, at, surface, colour, dark}) {
   const toX = (x_m) => width / 2 + scale * (x_m - middle[0]);
   const toY = (y_m) => height / 2 - scale * (y_m - middle[1]);
   if (flight.city) drawBuildings(context, flight.city, {toX, toY, scale, width, height, dark});
-  drawRoute(context, track, at, {toX, toY, surface, colour});
+  drawRoute(context, flight.route ?? track, track, at, {toX, toY, surface, colour});
   const serving = track.serving_cell[at];
   if (flight.city) {
     const station = flight.city.base_stations[serving];
-    if (station) drawBeam(context, [toX(station[0]), toY(station[1])], [toX(track.x_m[at]), toY(track.y_m[at])], colour);
+    if (station && track.x_m[at] !== null) drawBeam(context, [toX(station[0]), toY(station[1])], [toX(track.x_m[at]), toY(track.y_m[at])], colour);
     flight.city.base_stations.forEach(([x_m, y_m], cell) => drawStation(context, toX(x_m), toY(y_m), cell === serving ? cell : null, {surface, colour}));
   }
   drawScale(context, scale, height, surface);
@@ -51,23 +53,22 @@ function drawBuildings(context, city, {toX, toY, scale, width, height, dark}) {
   }
 }
 
-function drawRoute(context, track, at, {toX, toY, surface, colour}) {
-  const path = (from, to) => {
+/** The whole `route` as far as it is known, and what the UAV has flown of it. */
+function drawRoute(context, route, track, at, {toX, toY, surface, colour}) {
+  const path = ({x_m, y_m}, to) => {
     context.beginPath();
-    for (let i = from; i <= to; ++i) {
-      if (i === from) context.moveTo(toX(track.x_m[i]), toY(track.y_m[i]));
-      else context.lineTo(toX(track.x_m[i]), toY(track.y_m[i]));
-    }
+    for (let i = 0; i <= to; ++i) if (x_m[i] !== null) context.lineTo(toX(x_m[i]), toY(y_m[i]));
     context.stroke();
   };
   context.lineWidth = 2;
   context.strokeStyle = surface.soft;
   context.setLineDash([3, 4]);
-  path(0, track.x_m.length - 1);
+  path(route, route.x_m.length - 1);
   context.setLineDash([]);
   context.lineWidth = 3;
   context.strokeStyle = colour;
-  path(0, at);
+  path(track, at);
+  if (track.x_m[at] === null) return;
   context.fillStyle = colour;
   context.strokeStyle = surface.background;
   context.lineWidth = 2;

@@ -9,12 +9,15 @@ import {extent, plot} from './plot.js';
 
 const smoothed_steps = 10;
 
+/** The mean of those that are known; null if none is. */
+function mean(values) {
+  const known = values.filter((value) => value !== null);
+  return known.length > 0 ? known.reduce((sum, value) => sum + value, 0) / known.length : null;
+}
+
 /** The mean over the last ten steps, because fading makes single steps vary. */
 function smoothed(values) {
-  return values.map((_, i) => {
-    const part = values.slice(Math.max(0, i + 1 - smoothed_steps), i + 1);
-    return part.reduce((sum, value) => sum + value, 0) / part.length;
-  });
+  return values.map((value, i) => (value === null ? null : mean(values.slice(Math.max(0, i + 1 - smoothed_steps), i + 1))));
 }
 
 /** The range of all values but the highest fiftieth, so that single peaks do not wash out the rest. */
@@ -30,7 +33,10 @@ const learning = [
   {title: 'Training loss of the chosen agent, log10', fields: [['loss', []]], log: true},
 ];
 
-/** Shows `flight` (see flight_view.hpp). `overview` names and colours the agents, `condition` the quality. */
+/**
+ * Shows `flight` (see flight_view.hpp, and flight_log.hpp for flights in the air, where values can be missing and each agent is
+ * at a step of its own). `overview` names and colours the agents, `condition` the quality.
+ */
 export class FlightStage {
   constructor(overview) {
     this.overview = overview;
@@ -73,9 +79,9 @@ export class FlightStage {
     const {flight, condition} = this;
     const quality = `${condition.qos_name} (${condition.qos_unit})`;
     const foreseeing = this.overview.agents.filter((agent) => shapeOf(this.overview, agent.name) === 'hollow').map((agent) => marked(this.overview, agent.name));
-    const map = `underneath: ${condition.qos_name} at every height, ${this.theme === 'dark' ? 'bright' : 'dark'} is better` + (foreseeing.length > 0 ? `; seen ahead by ${foreseeing.join(', ')} alone` : '; no agent here sees it ahead');
+    const map = !flight.map ? '' : `; underneath: ${condition.qos_name} at every height, ${this.theme === 'dark' ? 'bright' : 'dark'} is better` + (foreseeing.length > 0 ? `; seen ahead by ${foreseeing.join(', ')} alone` : '; no agent here sees it ahead');
     this.drawings = [
-      {title: `Height (m); ${map}`, lines: this.#lines((track) => track.height_m, true), yRange: [flight.height_min_m, flight.height_max_m], under: this.#map(), height: 260},
+      {title: `Height (m)${map}`, lines: this.#lines((track) => track.height_m, true), yRange: [flight.height_min_m, flight.height_max_m], under: this.#map(), height: 260},
       {title: `${quality}, mean of the last ${smoothed_steps} steps`, lines: this.#lines((track) => this.smooth.get(track.name))},
       {title: 'SINR of the serving base station (dB)', lines: this.#lines((track) => track.sinr_db)},
       {title: 'Reward of the step', lines: this.#lines((track) => track.reward)},
@@ -84,10 +90,16 @@ export class FlightStage {
       const values = (field) => (chart.log ? this.track.learning[field].map((value) => (value > 0 ? Math.log10(value) : null)) : this.track.learning[field]);
       this.drawings.push({title: chart.title, lines: chart.fields.map(([field, dash]) => ({values: values(field), colour: this.#colour(this.track.name), dash, width: 2}))});
     }
-    this.charts.replaceChildren(...this.drawings.map((drawing) => {
-      drawing.canvas = h('canvas', {role: 'img', 'aria-label': drawing.title});
-      return h('figure', {}, h('figcaption', {}, drawing.title), drawing.canvas);
-    }));
+    this.#placeCharts();
+  }
+
+  /** Charts of the same titles stay where they are. */
+  #placeCharts() {
+    const titles = this.drawings.map((drawing) => drawing.title).join('\n');
+    if (titles !== this.titles)
+      this.charts.replaceChildren(...this.drawings.map(({title}) => h('figure', {}, h('figcaption', {}, title), h('canvas', {role: 'img', 'aria-label': title}))));
+    this.titles = titles;
+    [...this.charts.querySelectorAll('canvas')].forEach((canvas, i) => { this.drawings[i].canvas = canvas; });
   }
 
   /** The quality at every height as an image of one pixel per step and height. */
@@ -130,7 +142,9 @@ export class FlightStage {
   }
 
   #fillTable(at) {
-    const mean = (track) => track.qos.slice(0, at + 1).reduce((sum, value) => sum + value, 0) / (at + 1);
+    const {step} = this.flight;
+    const inTheAir = this.track.at !== undefined;
+    const place = (track) => (inTheAir ? Math.max(0, track.at - step[0]) : at);
     const swatch = (name) => {
       const shape = h('span', {class: `swatch ${shapeOf(this.overview, name)}`});
       shape.style.color = this.#colour(name);
@@ -139,13 +153,14 @@ export class FlightStage {
     const value = (title, text) => ({title, number: true, text});
     const filled = table([
       {title: 'Agent', header: true, text: (track) => swatch(track.name)},
-      value('Height (m)', (track) => number(track.height_m[at], 0)),
-      value('Serving cell', (track) => (track.serving_cell[at] >= 0 ? String(track.serving_cell[at]) : '–')),
-      value('SINR (dB)', (track) => number(track.sinr_db[at], 1)),
-      value(`${this.condition.qos_name} (${this.condition.qos_unit})`, (track) => number(track.qos[at])),
-      value('Reward', (track) => number(track.reward[at])),
-      value('Mean so far', (track) => number(mean(track), 3)),
-    ], this.flight.agents, `Step ${this.flight.step[at]} of ${this.flight.step[this.flight.step.length - 1]}`);
+      ...(inTheAir ? [value('Step', (track) => String(track.at))] : []),
+      value('Height (m)', (track) => number(track.height_m[place(track)], 0)),
+      value('Serving cell', (track) => ((track.serving_cell[place(track)] ?? -1) >= 0 ? String(track.serving_cell[place(track)]) : '–')),
+      value('SINR (dB)', (track) => number(track.sinr_db[place(track)], 1)),
+      value(`${this.condition.qos_name} (${this.condition.qos_unit})`, (track) => number(track.qos[place(track)])),
+      value('Reward', (track) => number(track.reward[place(track)])),
+      value('Mean so far', (track) => number(mean(track.qos.slice(0, place(track) + 1)), 3)),
+    ], this.flight.agents, inTheAir ? `All agents in this world, of ${step[step.length - 1]} steps` : `Step ${step[at]} of ${step[step.length - 1]}`);
     [...filled.querySelectorAll('tbody tr')].forEach((row, i) => row.classList.toggle('chosen', this.flight.agents[i] === this.track));
     this.step.replaceChildren(filled);
   }

@@ -1,11 +1,15 @@
 // The page of `aloft live`: finds out what the server shows, and makes the tabs.
 
 import {h} from '../../report/page/dom.js';
+import {fetched} from './fetched.js';
+import {LiveFlight} from './live_flight.js';
 import {Replay} from './replay.js';
 import {Results} from './results.js';
 import {RunTab} from './run.js';
+import {takeToken} from './swap.js';
 
 const state = readState();
+const token = takeToken(new URLSearchParams(location.hash.slice(1)).get('token'));
 const main = document.querySelector('main');
 let tabs = [];
 
@@ -15,13 +19,13 @@ function readState() {
   const number = (name) => (/^\d+$/.test(given.get(name) ?? '') ? Number(given.get(name)) : null);
   const preferred = window.matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
   const theme = ['light', 'dark'].includes(given.get('theme')) ? given.get('theme') : null;
-  return {tab: given.get('tab'), condition: number('condition') ?? 0, trial: number('trial'), agent: given.get('agent'), step: number('step'), theme: theme ?? preferred, themeChosen: theme !== null};
+  return {tab: given.get('tab'), condition: number('condition') ?? 0, trial: number('trial'), agent: given.get('agent'), worker: given.get('worker'), stream: number('stream'), step: number('step'), theme: theme ?? preferred, themeChosen: theme !== null};
 }
 
 function writeState() {
   const address = new URLSearchParams();
   if (state.themeChosen) address.set('theme', state.theme);
-  for (const name of ['tab', 'condition', 'trial', 'agent', 'step']) if (state[name] !== null && state[name] !== undefined) address.set(name, state[name]);
+  for (const name of ['tab', ...(state.tab === 'live' ? ['worker', 'stream'] : ['condition', 'trial', 'agent', 'step'])]) if (state[name] !== null && state[name] !== undefined) address.set(name, state[name]);
   history.replaceState(null, '', `#${address}`);
 }
 
@@ -71,12 +75,6 @@ function themeButton(redraw) {
   return button;
 }
 
-async function fetched(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(`${path}: ${await answer.text()}`);
-  return answer.json();
-}
-
 function redrawWhenWidthChanges(redraw) {
   let width = window.innerWidth;
   window.addEventListener('resize', () => {
@@ -86,24 +84,34 @@ function redrawWhenWidthChanges(redraw) {
   });
 }
 
-function runTab() {
-  const run = new RunTab(state);
-  return {name: 'run', title: 'Run', element: run.element, opened: () => run.open(), closed: () => run.close()};
+const overviewNow = () => fetched('data/overview');
+
+function runTabs(overview) {
+  const run = new RunTab(overview, state, overview.operator ? token : null);
+  const live = new LiveFlight(overview, state, writeState, overviewNow);
+  return [
+    {name: 'run', title: 'Run', element: run.element, opened: () => run.open(), closed: () => run.close()},
+    {name: 'live', title: 'In the air', element: live.element, opened: () => live.open(), closed: () => live.close()},
+  ];
 }
 
 function storedTabs(overview) {
   const replay = new Replay(overview, state, writeState);
-  const results = new Results(overview);
+  const results = new Results(overview, state);
+  const open = async () => {
+    if (overview.run !== null) Object.assign(overview, await overviewNow());  // more has been flown
+    return replay.open();
+  };
   return [
-    {name: 'flight', title: 'Flights', element: replay.element, opened: () => (replay.flight ? replay.draw() : replay.open()), closed: () => replay.pause()},
-    {name: 'results', title: 'Results', element: results.element, opened: async () => results.show(await fetched('data/results'), state.theme)},
+    {name: 'flight', title: 'Flights', element: replay.element, opened: () => (replay.flight ? replay.draw() : open()), closed: () => { replay.pause(); if (overview.run !== null) replay.flight = null; }},
+    {name: 'results', title: 'Results', element: results.element, opened: () => results.open(), closed: () => results.close()},
   ];
 }
 
 async function start() {
-  const overview = await fetched('data/overview');
-  tabs = overview.run === null ? [] : [runTab()];
-  if (overview.conditions.length > 0) tabs.push(...storedTabs(overview));
+  const overview = await overviewNow();
+  tabs = overview.run === null ? [] : runTabs(overview);
+  if (overview.stored !== null) tabs.push(...storedTabs(overview));
   const redraw = () => tabs.find((tab) => tab.name === state.tab)?.opened();
   document.title = `${overview.title} – Aloft`;
   main.replaceChildren(

@@ -2,16 +2,11 @@
 
 import {choice, h} from '../../report/page/dom.js';
 import {marked} from '../../report/page/privilege.js';
+import {fetched} from './fetched.js';
 import {FlightStage} from './flight_stage.js';
 
 const steps_per_s = 10;
 const speeds = [0.25, 0.5, 1, 2, 4, 8];
-
-async function fetched(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(await answer.text());
-  return answer.json();
-}
 
 /** The tab "Flight" of a replay. `state`: what the address names; `changed(part)` writes it there. */
 export class Replay {

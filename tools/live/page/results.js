@@ -4,15 +4,36 @@ import {h, table} from '../../report/page/dom.js';
 import {interval, number, signed, signedInterval} from '../../report/page/format.js';
 import {marked, marksExplained, shapeOf} from '../../report/page/privilege.js';
 
-/** The tab "Results". show() takes the answer of data/results. */
+/** The tab "Results": of a run that goes on, as flights arrive. */
 export class Results {
-  constructor(overview) {
+  constructor(overview, state) {
     this.overview = overview;
+    this.state = state;
     this.element = h('section', {id: 'results', 'aria-label': 'Results'}, h('p', {class: 'soft'}, 'No flight is stored yet.'));
   }
 
-  show(results, theme) {
-    const {overview} = this;
+  open() {
+    if (this.results) this.#show(this.results);
+    if (this.source) return;
+    return new Promise((resolve) => {
+      this.source = new EventSource('events/results');
+      this.source.onmessage = (event) => {
+        this.#show(JSON.parse(event.data));
+        if (this.overview.run === null) this.close();  // nothing is added
+        resolve();
+      };
+      this.source.onerror = () => resolve();
+    });
+  }
+
+  close() {
+    this.source?.close();
+    this.source = null;
+  }
+
+  #show(results) {
+    this.results = results;
+    const {overview, state: {theme}} = this;
     const agent = (row) => {
       const shape = h('span', {class: `swatch ${shapeOf(overview, row.name)}`});
       shape.style.color = overview.agents.find((other) => other.name === row.name)?.colour[theme] ?? '';

@@ -4,6 +4,7 @@ import {h, table} from '../../report/page/dom.js';
 import {number} from '../../report/page/format.js';
 import {surfaces} from '../../report/page/theme.js';
 import {extent, plot} from './plot.js';
+import {Swap} from './swap.js';
 
 const kept = 1200;  // events of the charts: ten minutes
 
@@ -15,14 +16,17 @@ function clock(seconds) {
 
 /** The tab "Run". It listens only while it is shown. */
 export class RunTab {
-  constructor(state) {
+  /** `token`: null if this page cannot give orders. */
+  constructor(overview, state, token) {
+    this.overview = overview;
     this.state = state;
+    this.swap = token ? new Swap(token) : null;
     this.history = [];
     this.charts = [['Flights per second', 'flights_per_s'], ['Steps per second', 'steps_per_s'], ['Workers alive', 'workers']]
       .map(([title, field]) => ({title, field, canvas: h('canvas', {role: 'img', 'aria-label': `${title} over the last minutes`})}));
     this.connection = h('p', {class: 'bad', role: 'alert'});
     this.news = h('div', {});
-    this.element = h('section', {id: 'run', 'aria-label': 'Run'}, this.connection, this.news,
+    this.element = h('section', {id: 'run', 'aria-label': 'Run'}, this.connection, this.news, this.swap?.element,
       h('div', {class: 'stage'}, this.charts.map((chart) => h('figure', {}, h('figcaption', {}, chart.title), chart.canvas))));
   }
 
@@ -36,7 +40,8 @@ export class RunTab {
         resolve();
       };
       this.source.onerror = () => {
-        this.connection.textContent = 'aloft live does not answer; what follows is the last that was heard.';
+        const stored = this.overview.stored ? ` To see the stored flights: aloft live ${this.overview.stored}` : '';
+        this.connection.textContent = `aloft live does not answer; what follows is the last that was heard.${stored}`;
         resolve();
       };
     });
@@ -73,6 +78,7 @@ export class RunTab {
         fact('Collector', run.collector.state, ['storing', 'unknown'].includes(run.collector.state) ? null : 'bad'),
         fact('Middleware', run.middleware.join(', ') || '–')),
       ...this.#problems(), ...this.#workers());
+    this.swap?.show(run.workers);
     this.#plot();
   }
 

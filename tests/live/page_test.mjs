@@ -240,7 +240,6 @@ describe('a run', {timeout: 300000}, () => {
     await new Promise((resolve) => { fake.listen(0, '127.0.0.1', resolve); });
     const address = `http://127.0.0.1:${fake.address().port}/`;
     for (const tab of ['run', 'live']) {
-      await browser.open('about:blank').catch(() => {});
       await browser.open(`${address}#tab=${tab}&token=t`);
       await comesTrue(browser, `document.querySelector('#tab-${tab} tbody')?.textContent.includes('<script>')`);
       assert.equal(await browser.evaluate('document.querySelectorAll("img, script:not([src])").length'), 0);
@@ -266,7 +265,7 @@ describe('aloft run --live', {timeout: 300000}, () => {
   before(async () => {
     const experiment = join(scratch, 'lively.json');
     // Long enough to look at; ended by Ctrl-C.
-    writeFileSync(experiment, JSON.stringify({name: 'lively', seed: 5, on_agent_loss: 'failover', trials: 40000, world: {kind: 'generated', bs_density_per_km2: 5, steps: 40}, agents: [{type: 'dqn', epochs: 40}, 'planner', 'min-height', {type: 'relay', name: 'uav', crew: ['random-walk', 'min-height']}]}));
+    writeFileSync(experiment, JSON.stringify({name: 'lively', seed: 5, on_agent_loss: 'failover', trials: 40000, world: {kind: 'generated', bs_density_per_km2: 5, steps: 40}, agents: [{type: 'dqn', epochs: 40}, 'planner', 'min-height', {type: 'relay', name: 'uav', crew: [{agent: 'random-walk'}, {agent: 'min-height'}]}]}));
     live = await started('run', experiment, '--out', folder, '--run', name, '--workers', '1', '--live', '--operator', ...place);
     browser = new Browser(program);
   });
@@ -299,22 +298,22 @@ describe('aloft run --live', {timeout: 300000}, () => {
     assert.ok(shown.streams.some((text) => text.endsWith('planner **')), String(shown.streams));
     const charts = await browser.evaluate(`[...document.querySelectorAll('#tab-live figcaption')].map((caption) => caption.textContent).join('; ')`);
     assert.match(charts, /seen ahead by planner \*\* alone/);
-    assert.match(charts, /Exploration rate/);  // the followed agent learns
     assert.deepEqual(await barriers(browser), []);
     assert.deepEqual(browser.complaints, []);
   });
 
   test('another stream is followed when it is chosen, and the address names it', async () => {
-    await browser.evaluate(`(() => { const list = document.querySelector('#choose-stream'); list.value = [...list.options].find((option) => option.textContent.includes('min-height')).value; list.dispatchEvent(new Event('change')); })()`);
-    await comesTrue(browser, `document.querySelector('#tab-live tr.chosen')?.textContent.startsWith('min-height')`);
+    for (const agent of ['min-height', 'dqn']) {
+      await browser.evaluate(`(() => { const list = document.querySelector('#choose-stream'); list.value = [...list.options].find((option) => option.textContent.includes('${agent}')).value; list.dispatchEvent(new Event('change')); })()`);
+      await comesTrue(browser, `document.querySelector('#tab-live tr.chosen')?.textContent.startsWith('${agent}')`);
+      await comesTrue(browser, `document.querySelector('#tab-live').textContent.includes('Exploration rate') === ${agent === 'dqn'}`);  // what a learner tells
+    }
     assert.match(await browser.evaluate('location.hash'), /tab=live&worker=w0&stream=\d+$/);
-    assert.ok(!await browser.evaluate(`document.querySelector('#tab-live').textContent.includes('Exploration rate')`));
   });
 
   test('the canvases show something, and the pages are no wider than a phone', async () => {
     for (const [width, scheme] of [[1280, 'light'], [400, 'dark'], [400, 'light']]) {
       for (const tab of ['live', 'run', 'results']) {
-        await browser.open('about:blank').catch(() => {});
         await browser.open(`${base()}#tab=${tab}`, {width, scheme});
         await comesTrue(browser, `document.querySelector('#tab-${tab} tbody') !== null`);
         assert.ok(await browser.evaluate('document.documentElement.scrollWidth <= window.innerWidth'), `${tab} wider than ${width}`);
@@ -348,7 +347,6 @@ describe('aloft run --live', {timeout: 300000}, () => {
     await comesTrue(reader, `document.querySelector('#tab-run tbody') !== null`);
     assert.ok(!await reader.evaluate(control));
     await reader.close();
-    await browser.open('about:blank').catch(() => {});
     await browser.open(live.address);
     await comesTrue(browser, control);
     assert.ok(!await browser.evaluate('location.hash.includes("token")'));
@@ -357,7 +355,7 @@ describe('aloft run --live', {timeout: 300000}, () => {
     assert.deepEqual(await barriers(browser), []);
     await picture(browser, 'swap');
     await browser.evaluate(`document.querySelector('dialog[open] button').click()`);
-    await comesTrue(browser, `/^min-height flies .* of worker w0 from now on/.test(document.querySelector('#swap p[role=status]').textContent)`);
+    await comesTrue(browser, `/min-height flies/.test(document.querySelector('#swap p[role=status]').textContent)`);
     const refused = await (await fetch(`${base()}swap?worker=nobody&agent=min-height`, {method: 'POST', headers: {Authorization: `Bearer ${token}`}})).text();
     assert.match(refused, /no worker 'nobody'/);
   });

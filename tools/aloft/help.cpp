@@ -76,7 +76,7 @@ const CommandExamples all_examples[] = {
     {"live",
      {{"what flew, step by step", "aloft live results/quick"},
       {"at an address that stays the same", "aloft live results/quick --http-port 8080"},
-      {"how a run goes", "aloft live --run lab"}}},
+      {"how a run goes, and its flights", "aloft live --run lab"}}},
     {"compare",
      {{"what a setting changed", "aloft compare results/before results/after"},
       {"are they the same, byte for byte?", "aloft compare results/a results/b --exact"}}},

@@ -27,6 +27,8 @@ int run(const RunOptions& options) {
   const std::filesystem::path dir =
       options.out.empty() ? std::filesystem::path("results") / experiment.name : options.out;
   const int exit_code = fly_experiment(experiment, dir, options.flying);
+  if (options.flying.page.wanted)
+    fmt::print(stderr, "The page has ended with the run; see its flights with: aloft live {}\n", dir.string());
   if (exit_code == exit_interrupted) return exit_code;
   fmt::print("{}", comparison(dir, options.format, options.table.shape()));
   std::fflush(stdout);
@@ -36,8 +38,6 @@ int run(const RunOptions& options) {
                                  dir.string(), options.flying.in_process ? "" : ", log/",
                                  report::has_charts() ? "" : "tools/setup.sh && ", dir.string()),
                      text_width(STDERR_FILENO)));
-  if (options.flying.page.wanted)
-    fmt::print(stderr, "The page has ended with the run; the flights can be seen with: aloft live {}\n", dir.string());
   return exit_code;
 }
 

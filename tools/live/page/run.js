@@ -22,7 +22,7 @@ export class RunTab {
     this.state = state;
     this.swap = token ? new Swap(token) : null;
     this.history = [];
-    this.charts = [['Flights per second', 'flights_per_s'], ['Steps per second', 'steps_per_s'], ['Workers alive', 'workers']]
+    this.charts = [['Flights per second', 'flights_per_s'], ['Steps per second', 'steps_per_s'], ['99 % of the answers within (ms), slowest worker', 'answer_p99_ms'], ['Flights that are not stored yet', 'unstored'], ['Drops', 'drops'], ['Workers alive', 'workers']]
       .map(([title, field]) => ({title, field, canvas: h('canvas', {role: 'img', 'aria-label': `${title} over the last minutes`})}));
     this.connection = h('p', {class: 'bad', role: 'alert'});
     this.news = h('div', {});
@@ -54,8 +54,12 @@ export class RunTab {
 
   #hear(run) {
     this.run = run;
-    const alive = run.workers.filter((worker) => worker.state === 'alive').length;
-    this.history.push({time: performance.now() / 1000, flights_per_s: run.flights_per_s, steps_per_s: run.steps_per_s, workers: alive});
+    const alive = run.workers.filter((worker) => worker.state === 'alive');
+    const sum = (field) => run.workers.reduce((total, worker) => total + worker[field], 0);
+    this.history.push({
+      time: performance.now() / 1000, flights_per_s: run.flights_per_s, steps_per_s: run.steps_per_s, workers: alive.length,
+      answer_p99_ms: alive.reduce((slowest, worker) => Math.max(slowest ?? 0, worker.answer_p99_ms), null), unstored: sum('records_unconfirmed'), drops: sum('drops'),
+    });
     if (this.history.length > kept) this.history.shift();
     this.#draw();
   }

@@ -1,0 +1,74 @@
+// Flights per second of a run while ten pages look at it, against none, in turns.
+// Usage: node bench/live_pages.mjs ALOFT_PROGRAM [TURNS]
+// A page is a viewer of the two event streams that the tabs "Run" and "In the air" take; drawing them is the work of
+// another machine.
+
+import {spawn} from 'node:child_process';
+import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {get} from 'node:http';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+
+const [aloft, turns = '10'] = process.argv.slice(2);
+const pages = 10;
+const turn_ms = 4000;
+const settle_ms = 2500;  // what nobody looks at any more is still listened to for 2 s
+const scratch = mkdtempSync(join(tmpdir(), 'aloft-live-pages-'));
+const wait = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
+
+function start(...given) {
+  const child = spawn(aloft, given, {stdio: ['ignore', 'pipe', 'pipe']});
+  let printed = '';
+  const address = new Promise((resolve) => {
+    const look = (text) => {
+      printed += text;
+      const found = /http:[^\s]+\/(?=\s)/.exec(printed);
+      if (found) resolve(found[0]);
+    };
+    child.stdout.on('data', look);
+    child.stderr.on('data', look);
+  });
+  return {child, address};
+}
+
+/** One page: both tabs at once. Returns how to close it. */
+function open(address) {
+  const requests = ['events/run', 'events/flight?worker=w0'].map((path) => get(address + path, {agent: false}, (answer) => { answer.resume(); }));
+  for (const request of requests) request.on('error', () => {});
+  return () => requests.forEach((request) => request.destroy());
+}
+
+const experiment = join(scratch, 'experiment.json');
+writeFileSync(experiment, JSON.stringify({name: 'pages', seed: 1, trials: 1000000, world: {kind: 'generated', bs_density_per_km2: 5, steps: 100}, agents: ['min-height', 'height-filter', 'random-walk', 'constant-120']}));
+const name = `pages-${process.pid}`;
+const place = ['--run', name, '--domain', '77'];
+const collector = start('metrics', experiment, '--out', join(scratch, 'out'), '--http-port', '0', ...place);
+const coordinator = start('coordinator', experiment, '--out', join(scratch, 'out'), ...place);
+const worker = start('worker', '--join', name, '--name', 'w0', '--domain', '77', '--log-dir', join(scratch, 'log'));
+const live = start('live', ...place);
+try {
+  const status = `${await collector.address}status`;
+  const address = await live.address;
+  const flights = async () => (await (await fetch(status)).json()).flights_stored;
+  for (let tries = 0; tries < 300 && await flights() < 200; ++tries) await wait(100);
+  const measured = {0: [], [pages]: []};
+  for (let turn = 0; turn < Number(turns); ++turn)
+    for (const count of turn % 2 === 0 ? [0, pages] : [pages, 0]) {
+      const close = Array.from({length: count}, () => open(address));
+      await wait(settle_ms);
+      const before = await flights();
+      const begun = performance.now();
+      await wait(turn_ms);
+      measured[count].push((await flights() - before) / (performance.now() - begun) * 1000);
+      close.forEach((one) => one());
+    }
+  const sum = (values) => values.reduce((total, value) => total + value, 0);
+  const ratios = measured[0].map((without, i) => measured[pages][i] / without).sort((a, b) => a - b);
+  console.log(`flights/s without pages ${(sum(measured[0]) / turns).toFixed(1)}, with ${pages} pages ${(sum(measured[pages]) / turns).toFixed(1)}, ratio ${(sum(measured[pages]) / sum(measured[0])).toFixed(3)}, median of the turns ${ratios[Math.floor(ratios.length / 2)].toFixed(3)}`);
+} finally {
+  for (const {child} of [live, worker, coordinator, collector]) {
+    child.kill('SIGTERM');
+    await new Promise((resolve) => { child.on('exit', resolve); if (child.exitCode !== null || child.signalCode !== null) resolve(); });
+  }
+  rmSync(scratch, {recursive: true, force: true});
+}

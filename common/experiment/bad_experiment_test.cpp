@@ -65,6 +65,25 @@ TEST_CASE("unknown keys: the nearest valid one") {
              Contains("add \"kind\": \"measured\""));
 }
 
+TEST_CASE("handover: its parameters alone, out of range, contradictory") {
+  const auto world = [](const std::string& more) { return message(with("[1, 5]", "1, " + more)); };
+  CHECK_THAT(world(R"("a3_offset_db": 3)"),
+             Contains("world.a3_offset_db: only worlds with serving \"a3\" have handovers"));
+  CHECK_THAT(world(R"("serving": ["a3", "strongest"], "l3_filter_k": 4)"), Contains("world.l3_filter_k: only worlds"));
+  CHECK_THAT(world(R"("serving": "a5")"), Contains("world.serving: \"a5\"") && Contains("\"strongest\", \"a3\""));
+  CHECK_THAT(world(R"("serving": "a3", "time_to_trigger_s": 6)"),
+             Contains("world.time_to_trigger_s: 6 is not allowed; use a number from 0 to 5.12"));
+  CHECK_THAT(world(R"("serving": "a3", "l3_filter_k": 1.5)"),
+             Contains("world.l3_filter_k: 1.5 is not allowed; use a whole number from 0 to 19"));
+  CHECK_THAT(world(R"("serving": "a3", "qin_db": -9)"),
+             Contains("world.qin_db: -9 is below qout_db -8; use at least that"));
+  CHECK_THAT(message(with("2,", "2, \"handover_loss\": 1.5,")),
+             Contains("handover_loss: 1.5 is not allowed; use a number from 0 to 1"));
+  CHECK_THAT(message(with("2,", "2, \"outage_threshold_db\": \"low\",")), Contains("outage_threshold_db: \"low\""));
+  CHECK_THAT(message(with("\"bs_density_per_km2\": [1, 5]", R"("kind": "measured", "file": "x.csv", "serving": "a3")")),
+             Contains("world.serving: unknown key"));
+}
+
 TEST_CASE("missing keys are named") {
   CHECK_THAT(message(with("\"trials\": 2,", "")), Contains("\"trials\" is missing"));
   CHECK_THAT(message(R"({"name": "x", "trials": 1, "agents": ["min-height"]})"), Contains("\"world\" is missing"));

@@ -82,6 +82,8 @@ void read_settings(const OrderedJson& document, Experiment& experiment) {
   experiment.costs.speed_m_per_s = settings.number("speed_m_per_s");
   experiment.costs.energy_weight = settings.number("energy_weight");
   experiment.costs.handover_cost = settings.number("handover_cost");
+  experiment.costs.handover_loss = settings.number("handover_loss");
+  experiment.costs.outage_threshold_db = settings.number("outage_threshold_db");
 }
 
 void check_count(std::size_t agents) {
@@ -206,6 +208,8 @@ Json canonical_form(const Experiment& experiment) {
           {"speed_m_per_s", experiment.costs.speed_m_per_s},
           {"energy_weight", experiment.costs.energy_weight},
           {"handover_cost", experiment.costs.handover_cost},
+          {"handover_loss", experiment.costs.handover_loss},
+          {"outage_threshold_db", experiment.costs.outage_threshold_db},
           {"worlds", std::move(worlds)},
           {"agents", std::move(agent_list)}};
 }
@@ -270,7 +274,9 @@ Experiment parse_with(OrderedJson document, std::string_view where, const Overri
 
 flight::Costs Experiment::costs_in(const Condition& condition) const {
   flight::Costs own = costs;
-  if (condition.kind == WorldKind::generated) own.step_length_m = condition.world.number("route_spacing_m");
+  if (condition.kind == WorldKind::measured) return own;
+  own.step_length_m = condition.world.number("route_spacing_m");
+  own.a3 = radio::a3_rules(condition.world);
   return own;
 }
 

@@ -36,7 +36,7 @@ struct Experiment {
   std::uint32_t trials = 0;  ///< per condition
   OnAgentLoss on_agent_loss = OnAgentLoss::restart;
   std::uint32_t max_attempts = 3;
-  flight::Costs costs;  ///< except the step length, which is the world's: see costs_in
+  flight::Costs costs;  ///< except what is the world's, the step length and the handover: see costs_in
   std::vector<Condition> conditions;
   std::vector<agents::AgentSpec> agents;
   /// Canonical form: every default filled in, keys sorted. Parsing it again gives an equal experiment.

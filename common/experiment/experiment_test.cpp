@@ -245,6 +245,8 @@ TEST_CASE("ids ignore what cannot change a result, and nothing else") {
       parsed(R"("world": {"bs_density_per_km2": 2.5})", R"("seed": 1, "description": "a default, spelled out", )").id ==
       base);
   CHECK(parsed(R"("worlds": [{"name": "called otherwise"}])").id == base);
+  CHECK(parsed(R"("world": {"serving": "strongest"})").id == base);
+  CHECK(parsed(R"("world": {"serving": "a3", "a3_offset_db": 2})").id == parsed(R"("world": {"serving": "a3"})").id);
   const std::set<std::string> different{base,
                                         parsed(R"("world": {})", R"("seed": 2, )").id,
                                         parsed(R"("world": {})", R"("max_attempts": 4, )").id,
@@ -252,14 +254,19 @@ TEST_CASE("ids ignore what cannot change a result, and nothing else") {
                                         parsed(R"("world": {})", R"("energy_weight": 0.1, )").id,
                                         parsed(R"("world": {})", R"("handover_cost": 2, )").id,
                                         parsed(R"("world": {})", R"("speed_m_per_s": 15, )").id,
+                                        parsed(R"("world": {})", R"("handover_loss": 0.5, )").id,
+                                        parsed(R"("world": {})", R"("outage_threshold_db": -8, )").id,
+                                        parsed(R"("world": {"serving": "a3"})").id,
+                                        parsed(R"("world": {"serving": "a3", "l3_filter_k": 4})").id,
                                         parsed(R"("world": {})", "", {.trials = 3}).id,
                                         parsed(R"("world": {})", "", {.agents = {"min-height"}}).id,
                                         parsed(R"("world": {})", "", {.agents = {"constant-120", "min-height"}}).id};
-  CHECK(different.size() == 10);
+  CHECK(different.size() == 14);
 
   // Results that were stored before costs existed keep their id.
   nlohmann::json before = parsed(R"("world": {})").canonical;
-  for (const char* key : {"energy_weight", "handover_cost", "speed_m_per_s"}) REQUIRE(before.erase(key) == 1);
+  for (const char* key : {"energy_weight", "handover_cost", "speed_m_per_s", "handover_loss", "outage_threshold_db"})
+    REQUIRE(before.erase(key) == 1);
   CHECK(id_of(before) == parsed(R"("world": {})").id);
 }
 

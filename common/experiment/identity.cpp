@@ -19,7 +19,8 @@ namespace {
 using Json = nlohmann::json;
 
 /// Settings added when results were already stored: at their defaults they do not enter the id.
-constexpr std::array later_settings{"speed_m_per_s", "energy_weight", "handover_cost"};
+constexpr std::array later_settings{"speed_m_per_s", "energy_weight", "handover_cost", "handover_loss",
+                                    "outage_threshold_db"};
 
 /// Removes the file paths of an agent and of a relay's crew, and a foreign agent's privilege if it is "none": older
 /// experiments do not have that key.

@@ -13,6 +13,7 @@
 #include "common/flight/energy.hpp"
 #include "common/radio/generated_world.hpp"
 #include "common/radio/models/link_model.hpp"
+#include "common/radio/serving_rule.hpp"
 
 namespace aloft::experiment {
 namespace {
@@ -76,11 +77,21 @@ Json channel_model_rules() {
   return rules;
 }
 
+/// Only worlds with handovers have their parameters.
+Json handover_rule() {
+  Json chosen = one_of_these("serving", {"a3"});
+  chosen["required"] = Json::array({"serving"});
+  Json own = Json::object();
+  for (const ParameterSpec& spec : radio::a3_parameters()) own[spec.name] = false;
+  return {{"if", std::move(chosen)}, {"else", {{"properties", std::move(own)}}}};
+}
+
 Json any_world() {
   Json measured = world_schema("measured", measured_world_parameters());
   measured["required"] = Json::array({"kind", "file"});
   Json generated = world_schema("generated", radio::generated_world_parameters());
   generated["allOf"] = channel_model_rules();
+  generated["allOf"].push_back(handover_rule());
   return {{"type", "object"},
           {"description", "One world; every list in it is swept. A file has either \"world\" or \"worlds\"."},
           {"if", {{"properties", {{"kind", {{"const", "measured"}}}}}, {"required", Json::array({"kind"})}}},
@@ -170,6 +181,10 @@ std::span<const ParameterSpec> file_settings() {
       number_parameter("energy_weight", 0, 0, 1e4, "Subtracted from the reward per joule, in bit/s/Hz or kbit/s."),
       number_parameter("handover_cost", 0, 0, 1e6,
                        "Subtracted from the reward per change of serving cell, in bit/s/Hz or kbit/s."),
+      number_parameter("handover_loss", flight::Costs{}.handover_loss, 0, 1,
+                       "Factor of the quality in the reward of a step with a change of serving cell; 1: no loss."),
+      number_parameter("outage_threshold_db", flight::Costs{}.outage_threshold_db, -30, 30,
+                       "Time with a lower SINR of the serving cell counts as outage."),
   };
   return table;
 }

@@ -158,7 +158,7 @@ TEST_CASE("the CSV has one line per condition and agent") {
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 5);
   CHECK_THAT(csv, Contains("\nbs_density_per_km2=1,min-height,none,bit/s/Hz,3,"));
   CHECK_THAT(csv, Contains("\n\"canal, \"\"real\"\"\",dqn,none,kbit/s,1,41234.0,,,41234.0,"));
-  CHECK_THAT(csv, Contains("kbit/s,0,,,,,,,,,,,,,\n"));
+  CHECK_THAT(csv, Contains("kbit/s,0,,,,,,,,,,,,,,,,\n"));
 }
 
 TEST_CASE("the table shows throughput in Mbit/s and aligns its columns") {

@@ -57,6 +57,8 @@ Mismatches differences_of(const Parameters& world) {
   nlohmann::json expected = published.to_json();
   here["propagation"] = world.text("propagation");
   expected["propagation"] = published.text("propagation");
+  here["serving"] = world.text("serving");
+  expected["serving"] = published.text("serving");
   here["spectral_efficiency_max"] = world.number("spectral_efficiency_max");
   expected["spectral_efficiency_max"] = published.number("spectral_efficiency_max");
   for (const auto& [key, value] : expected.items())  // another channel model has other parameters
@@ -115,12 +117,14 @@ std::optional<world::MeasuredFlight> readable_flight(const Condition& condition)
 std::vector<Warning> warnings(const Experiment& experiment) {
   std::vector<Group> untrained;
   std::vector<std::string> without_cells;
+  std::vector<std::string> handed_over;
   for (const Condition& condition : experiment.conditions) {
     const std::optional<world::MeasuredFlight> flight = readable_flight(condition);
     Mismatches differences;
     if (condition.kind == WorldKind::generated) differences = differences_of(condition.world);
     if (flight) differences = differences_of(*flight);
     if (!differences.empty()) add(untrained, differences, condition.name);
+    if (experiment.costs_in(condition).a3) handed_over.push_back(condition.name);
     if (flight && flight->serving_cell.empty()) without_cells.push_back(condition.name);
   }
   std::vector<Warning> found;
@@ -133,8 +137,15 @@ std::vector<Warning> warnings(const Experiment& experiment) {
                                               spec.name, named(group.conditions), fmt::join(texts, ", "))});
     }
   }
-  if (!without_cells.empty() && experiment.costs.handover_cost > 0.0)
-    found.push_back({"", fmt::format("{}: a measured flight without serving_cell, so handover_cost is never charged",
+  if (!handed_over.empty())
+    for (const agents::AgentSpec& spec : experiment.agents)
+      if (agents::foresees(spec.privilege()))
+        found.push_back({spec.name, fmt::format("agent '{}': it foresees the quality of the strongest cell, but in {} "
+                                                "the cell that serves depends on the flight; others can do better",
+                                                spec.name, named(handed_over))});
+  const bool charged = experiment.costs.handover_cost > 0.0 || experiment.costs.handover_loss < 1.0;
+  if (!without_cells.empty() && charged)
+    found.push_back({"", fmt::format("{}: a measured flight without serving_cell, so handovers are never charged",
                                      named(without_cells))});
   return found;
 }

@@ -60,6 +60,17 @@ TEST_CASE("worlds like those of training give no warning, others name every diff
   CHECK_THAT(dense[1].text, Contains("bs_density_per_km2 8 instead of 1 to 5"));
 }
 
+TEST_CASE("agents foresee the strongest cell, which need not be the one that serves") {
+  const auto found = warnings(over(R"({"serving": ["strongest", "a3"]})", "", R"("planner", "dqn", "pretrained")"));
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].agent == "pretrained");
+  CHECK_THAT(found[0].text, Contains("condition 'serving=a3'") && Contains("serving \"a3\" instead of \"strongest\""));
+  CHECK(found[1].agent == "planner");
+  CHECK_THAT(found[1].text, Contains("foresees the quality of the strongest cell") &&
+                                Contains("in condition 'serving=a3' the cell that serves depends on the flight"));
+  CHECK(warnings(over("{}", "", "\"planner\"")).empty());
+}
+
 TEST_CASE("the same warning about several conditions is one") {
   const auto sweep = warnings(over(R"({"bs_density_per_km2": [6, 7, 8, 9, 10, 11, 12, 13, 14, 15]})"));
   REQUIRE(sweep.size() == 1);
@@ -80,6 +91,7 @@ TEST_CASE("measured flights: size, and costs that they cannot charge") {
   REQUIRE(costs.size() == 1);
   CHECK(costs[0].agent.empty());
   CHECK_THAT(costs[0].text, Contains("without serving_cell"));
+  CHECK(warnings(over(world, R"("handover_loss": 0.5, )")).size() == 1);
   write_file(file, flight_csv(12, 3));
   const auto small = warnings(over(world));
   REQUIRE(small.size() == 1);

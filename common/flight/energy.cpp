@@ -37,7 +37,7 @@ double level_power_w(double speed_m_per_s) noexcept {
 }
 
 double step_energy_j(const Costs& costs, double climb_m) noexcept {
-  const double level_j = level_power_w(costs.speed_m_per_s) * (costs.step_length_m / costs.speed_m_per_s);
+  const double level_j = level_power_w(costs.speed_m_per_s) * costs.step_s();
   return climb_m > 0.0 ? level_j + weight_n * climb_m / climb_efficiency : level_j;
 }
 

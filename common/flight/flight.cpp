@@ -56,6 +56,24 @@ std::optional<std::uint32_t> FlightRecord::handovers() const {
   return changes;
 }
 
+MobilityEvents FlightRecord::mobility() const {
+  MobilityEvents sum;
+  for (const StepRecord& step : steps) {
+    sum.handovers += step.mobility.handovers;
+    sum.ping_pongs += step.mobility.ping_pongs;
+    sum.radio_link_failures += step.mobility.radio_link_failures;
+    sum.outage_s += step.mobility.outage_s;
+  }
+  return sum;
+}
+
+double FlightRecord::outage_s(const Costs& costs) const {
+  if (costs.a3) return mobility().outage_s;
+  const auto out = std::ranges::count_if(
+      steps, [&](const StepRecord& step) { return step.serving_sinr_db < costs.outage_threshold_db; });
+  return static_cast<double>(out) * costs.step_s();
+}
+
 Flight::Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, const Costs& costs)
     : map_(map), costs_(costs), position_(map.start()) {
   const radio::HeightGrid& grid = map.heights();
@@ -63,6 +81,7 @@ Flight::Flight(radio::SignalMap& map, std::uint64_t seed, std::uint32_t trial, c
   record_.qos_kind = info_.qos;
   record_.height_start_m = grid.height_min_m;
   record_.steps.reserve(info_.steps);
+  if (costs.a3) mobility_.emplace(*costs.a3, seed, trial, costs.step_s(), costs.outage_threshold_db);
   measure(0);
   observation_.last = info_.steps == 0;
 }
@@ -125,11 +144,12 @@ void Flight::step(const agents::Command& command, std::string_view pilot) {
   measure(point);
   observation_.step = step;
   observation_.executed = executed;
+  handovers_ = count_handovers();
   observation_.reward = reward(observation_.height_m - before_m);
   observation_.last = step == info_.steps;
   record_.steps.push_back({step, executed, position_.x_m, position_.y_m, observation_.height_m,
                            observation_.serving_cell, observation_.serving_sinr_db, observation_.qos,
-                           observation_.reward, pilot_index(pilot), agents::showable(command.introspection)});
+                           observation_.reward, pilot_index(pilot), agents::showable(command.introspection), events_});
 }
 
 Action Flight::move(const agents::Command& command) {
@@ -159,8 +179,12 @@ Action Flight::move(const agents::Command& command) {
 }
 
 void Flight::measure(std::uint32_t point) {
-  const radio::Reading reading = map_.reading(point, position_, level_);
   observation_.height_m = map_.heights().height_m(level_);
+  mobility_ ? measure_served(point) : measure_strongest(point);
+}
+
+void Flight::measure_strongest(std::uint32_t point) {
+  const radio::Reading reading = map_.reading(point, position_, level_);
   observation_.serving_cell = reading.serving_cell;
   observation_.serving_sinr_db = reading.serving_sinr_db;
   observation_.neighbour_count = reading.neighbour_count;
@@ -168,12 +192,40 @@ void Flight::measure(std::uint32_t point) {
   observation_.qos = reading.qos;
 }
 
-double Flight::reward(double climb_m) {
+void Flight::measure_served(std::uint32_t point) {
+  map_.scan(point, position_, level_, mobility_->followed(), scan_);
+  const bool first = mobility_->serving() < 0;
+  if (first) {
+    mobility_->begin(scan_.cells);
+  } else {
+    const Mobility::Passage passage = mobility_->pass(scan_.cells);
+    observation_.qos = passage.qos;
+    events_ = passage.events;
+  }
+  const auto serving = std::ranges::find(scan_.cells, mobility_->serving(), &radio::CellReading::cell);
+  observation_.serving_cell = serving->cell;
+  observation_.serving_sinr_db = serving->sinr_db;
+  if (first) observation_.qos = serving->qos;
+  std::iter_swap(scan_.cells.begin(), serving);
+  std::sort(scan_.cells.begin() + 1, scan_.cells.end(),
+            [](const radio::CellReading& a, const radio::CellReading& b) { return a.sinr_db > b.sinr_db; });
+  observation_.neighbour_count = std::min(scan_.neighbours, static_cast<std::uint32_t>(scan_.cells.size() - 1));
+  observation_.neighbour_sinr_db = {};
+  for (std::uint32_t i = 0; i < observation_.neighbour_count; ++i)
+    observation_.neighbour_sinr_db.at(i) = scan_.cells[i + 1].sinr_db;
+}
+
+double Flight::reward(double climb_m) const {
+  return observation_.qos * (handovers_ > 0 ? costs_.handover_loss : 1.0) -
+         costs_.energy_weight * step_energy_j(costs_, climb_m) - handovers_ * costs_.handover_cost;
+}
+
+std::uint32_t Flight::count_handovers() {
+  if (mobility_) return events_.handovers;
   const std::int32_t cell = observation_.serving_cell;
   const bool handover = cell >= 0 && scored_cell_ >= 0 && cell != scored_cell_;
   if (cell >= 0) scored_cell_ = cell;
-  return observation_.qos - costs_.energy_weight * step_energy_j(costs_, climb_m) -
-         (handover ? costs_.handover_cost : 0.0);
+  return handover ? 1 : 0;
 }
 
 std::uint32_t Flight::pilot_index(std::string_view pilot) {

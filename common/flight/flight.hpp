@@ -10,6 +10,7 @@
 
 #include "common/agents/registry.hpp"
 #include "common/flight/energy.hpp"
+#include "common/flight/mobility.hpp"
 #include "common/radio/signal_map.hpp"
 
 namespace aloft::flight {
@@ -27,6 +28,7 @@ struct StepRecord {
   double reward = 0.0;
   std::uint32_t flown_by = 0;  ///< index into FlightRecord::pilots
   std::optional<agents::Introspection> introspection;
+  MobilityEvents mobility{};  ///< none where the strongest cell serves
 };
 
 /// A finished flight.
@@ -42,9 +44,13 @@ struct FlightRecord {
   /// The energy of one step, by its index, and of the whole flight.
   [[nodiscard]] double step_energy_j(std::size_t index, const Costs& costs) const;
   [[nodiscard]] double energy_j(const Costs& costs) const;
-  /// Changes of serving cell from step to step; steps with an unknown cell (-1) are skipped. Nothing if no cell is
-  /// known at all.
+  /// Where the strongest cell serves: changes of serving cell from step to step; steps with an unknown cell (-1) are
+  /// skipped. Nothing if no cell is known at all.
   [[nodiscard]] std::optional<std::uint32_t> handovers() const;
+  /// Where networks hand the UAV over: the events of all steps together.
+  [[nodiscard]] MobilityEvents mobility() const;
+  /// Time without a cell, or with an SINR below the threshold of outage.
+  [[nodiscard]] double outage_s(const Costs& costs) const;
   double height_start_m = 0.0;
 };
 
@@ -58,6 +64,8 @@ class Flight {
   /// What the UAV reports now: step 0 before the first command.
   [[nodiscard]] const agents::Observation& observation() const noexcept { return observation_; }
   [[nodiscard]] bool finished() const noexcept { return observation_.last; }
+  /// In the last step.
+  [[nodiscard]] std::uint32_t handovers() const noexcept { return handovers_; }
 
   /// Whether the whole route is known before the flight.
   [[nodiscard]] bool fixed_route() const noexcept { return map_.fixed_route(); }
@@ -93,8 +101,13 @@ class Flight {
   agents::Action move(const agents::Command& command);
   /// Reads the radio at route point `point`, the UAV's present one.
   void measure(std::uint32_t point);
-  /// Quality minus costs of a step that changed the height by `climb_m`; notes the serving cell.
-  double reward(double climb_m);
+  void measure_strongest(std::uint32_t point);
+  /// As a network serves the UAV after its past.
+  void measure_served(std::uint32_t point);
+  /// Quality minus costs of a step that changed the height by `climb_m`.
+  [[nodiscard]] double reward(double climb_m) const;
+  /// Of the step that was just measured; notes the serving cell.
+  std::uint32_t count_handovers();
   std::uint32_t pilot_index(std::string_view pilot);
 
   radio::SignalMap& map_;
@@ -105,6 +118,10 @@ class Flight {
   world::Position position_;
   std::uint32_t level_ = 0;        // index into the map's height grid
   std::int32_t scored_cell_ = -1;  // the last known serving cell of a scored step; -1: none
+  std::uint32_t handovers_ = 0;    // in the last step
+  std::optional<Mobility> mobility_;
+  MobilityEvents events_;  // of the last step
+  radio::CellScan scan_;
 };
 
 /// What an agent with this privilege is to survey before it observes flight.observation(), if anything. `first`: it has

@@ -1,5 +1,6 @@
 #include "common/flight/flight.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -84,6 +85,57 @@ TEST_CASE("energy and handovers are subtracted from the reward, not from the qua
     CHECK(flight.record().steps.back().reward == flight.observation().reward);
   }
   CHECK(flight.record().handovers() == 3U);
+}
+
+TEST_CASE("a step with a handover loses a share of its quality in the reward, not in the record") {
+  SyntheticMap map = labelled(QosKind::spectral_efficiency, 5);
+  Flight flight(map, 7, 3, {.handover_cost = 3.0, .handover_loss = 0.5});
+  const double qos[] = {101.0, 201.0, 301.0, 401.0};  // cells 3, 5, 0 and 2: every step but the first is a handover
+  const double reward[] = {101.0, 97.5, 147.5, 197.5};
+  for (std::size_t i = 0; i < 4; ++i) {
+    flight.step({i == 0 ? Action::up : Action::hold}, "me");
+    CHECK(flight.observation().qos == qos[i]);
+    CHECK(flight.observation().reward == reward[i]);
+    CHECK(flight.handovers() == (i == 0 ? 0 : 1));
+  }
+}
+
+TEST_CASE("where networks hand the UAV over, the serving cell is that of its past") {
+  // Exact measurements without filter; handovers are triggered, prepared and executed in 0.3, 0.1 and 0.1 s.
+  const radio::A3Rules rules{.time_to_trigger_s = 0.3,
+                             .l3_filter_k = 0,
+                             .measurement_error_db = 0.0,
+                             .preparation_s = 0.1,
+                             .execution_s = 0.1};
+  // Cells 0, 4, 5 and 6 are the strongest at points 0 to 3; each other one is 3 dB weaker than the one before it.
+  SyntheticMap map(QosKind::spectral_efficiency, three_levels,
+                   {{7.0, 7.0, 7.0}, {18.0, 18.0, 18.0}, {18.0, 18.0, 18.0}, {18.0, 18.0, 18.0}});
+  Flight flight(map, 7, 3, {.handover_cost = 2.0, .handover_loss = 0.5, .a3 = rules});
+  CHECK(flight.observation().serving_cell == 0);
+  CHECK(flight.observation().qos == 7.0);
+  // To point 1 cell 0 falls from -80 to -89 dBm and cell 4 grows from -92 to -80 dBm: -84.8 and -85.4 dBm at 0.6 s and
+  // -86.6 and -83 dBm at 0.8 s, more than 2 dB apart: triggered at 1.1 s, commanded at 1.2 s, executed at 1.3 s. Cell 0
+  // is the fourth there, with a quarter of the quality.
+  flight.step({Action::hold}, "me");
+  CHECK(flight.observation().serving_cell == 0);
+  CHECK(flight.observation().qos == 4.5);
+  CHECK(flight.observation().reward == 4.5);
+  const double best_db = flight.observation().neighbour_sinr_db[0];
+  CHECK(flight.observation().serving_sinr_db == best_db - 9.0);
+  CHECK(flight.observation().neighbour_count == 5);
+  for (std::size_t i = 0; i < 5; ++i)  // descending, without the serving cell's -9 dB
+    CHECK(flight.observation().neighbour_sinr_db.at(i) == best_db - std::array{0.0, 3.0, 6.0, 12.0, 15.0}.at(i));
+  flight.step({Action::hold}, "me");
+  CHECK(flight.observation().serving_cell == 4);
+  CHECK(flight.observation().serving_sinr_db == best_db);
+  CHECK(flight.observation().qos == Approx(0.2 * 4.5 + 0.7 * 18.0).epsilon(1e-12));
+  CHECK(flight.observation().reward == Approx(0.5 * (0.2 * 4.5 + 0.7 * 18.0) - 2.0).epsilon(1e-12));
+  CHECK(flight.handovers() == 1);
+  CHECK(flight.record().steps.back().mobility == flight::MobilityEvents{1, 0, 0, 0.1});
+  flight.step({Action::hold}, "me");
+  CHECK(flight.observation().qos == 18.0);
+  CHECK(flight.handovers() == 0);
+  CHECK(flight.record().mobility() == flight::MobilityEvents{1, 0, 0, 0.1});
 }
 
 TEST_CASE("a measured flight scores step j at the j-th column") {

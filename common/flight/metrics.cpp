@@ -51,8 +51,11 @@ constexpr Metric rows[] = {
      .mean_key = "handovers_mean",
      .name = "handovers",
      .heading = "handovers",
-     .description = "Changes of the serving cell; NULL: the cells are unknown.",
-     .value = [](const FlightRecord& record, const Costs&) { return std::optional<double>(record.handovers()); },
+     .description = "Changes of the serving cell, with serving `a3` those by handover; NULL: the cells are unknown.",
+     .value = [](const FlightRecord& record, const Costs& costs) -> std::optional<double> {
+       if (costs.a3) return record.mobility().handovers;
+       return record.handovers();
+     },
      .better = Better::lower,
      .integer = true,
      .optional = true,
@@ -70,6 +73,38 @@ constexpr Metric rows[] = {
      .overview_decimals = 1,
      .table_rank = 4,
      .format_3_place = 3},
+    {.key = "ping_pongs",
+     .mean_key = "ping_pongs_mean",
+     .name = "ping-pongs",
+     .heading = "ping-pongs",
+     .description = "Handovers back to the former cell within `minimum_stay_s`; NULL: serving is not `a3`.",
+     .value = [](const FlightRecord& record, const Costs& costs) -> std::optional<double> {
+       if (!costs.a3) return std::nullopt;
+       return record.mobility().ping_pongs;
+     },
+     .better = Better::lower,
+     .integer = true,
+     .optional = true},
+    {.key = "radio_link_failures",
+     .mean_key = "radio_link_failures_mean",
+     .name = "radio link failures",
+     .heading = "RLF",
+     .description = "Links and handovers that failed; NULL: serving is not `a3`.",
+     .value = [](const FlightRecord& record, const Costs& costs) -> std::optional<double> {
+       if (!costs.a3) return std::nullopt;
+       return record.mobility().radio_link_failures;
+     },
+     .better = Better::lower,
+     .integer = true,
+     .optional = true},
+    {.key = "outage_s",
+     .mean_key = "outage_mean_s",
+     .name = "outage",
+     .heading = "outage s",
+     .description = "Time with an SINR below `outage_threshold_db`, and without a cell.",
+     .value = [](const FlightRecord& record, const Costs& costs) { return std::optional(record.outage_s(costs)); },
+     .unit = {"s", "s"},
+     .better = Better::lower},
 };
 
 }  // namespace

@@ -32,9 +32,31 @@ TEST_CASE("every metric of a flight equals the value computed by hand") {
   CHECK(values["height_changes"] == 1.0);
   CHECK(values["handovers"] == 1.0);
   CHECK(values["energy_j"].value() == Approx(2 * 126.029 + 20.0 * 20.0 / 0.7).epsilon(1e-5));
+  CHECK(values["ping_pongs"] == std::nullopt);
+  CHECK(values["radio_link_failures"] == std::nullopt);
+  CHECK(values["outage_s"] == 0.0);
   FlightRecord unknown_cells = two_steps(2.0);
   for (StepRecord& step : unknown_cells.steps) step.serving_cell = -1;
   CHECK(measure(unknown_cells, {})["handovers"] == std::nullopt);
+}
+
+TEST_CASE("outage is the time of the steps below the threshold where the strongest cell serves") {
+  FlightRecord record = two_steps(2.0);
+  record.steps[1].serving_sinr_db = -6.1;
+  CHECK(measure(record, {.speed_m_per_s = 20.0})["outage_s"] == 0.5);  // 10 m
+  CHECK(measure(record, {.speed_m_per_s = 20.0, .outage_threshold_db = -6.1})["outage_s"] == 0.0);
+  CHECK(measure(record, {.step_length_m = 30.0, .outage_threshold_db = 1.5})["outage_s"] == 6.0);
+}
+
+TEST_CASE("where networks hand the UAV over, the events of the steps count") {
+  FlightRecord record = two_steps(2.0);  // from cell 3 to 4, which need not be a handover
+  record.steps[0].mobility = {2, 1, 0, 0.25};
+  record.steps[1].mobility = {0, 0, 3, 0.5};
+  const MetricValues values = measure(record, {.a3 = aloft::radio::A3Rules{}});
+  CHECK(values["handovers"] == 2.0);
+  CHECK(values["ping_pongs"] == 1.0);
+  CHECK(values["radio_link_failures"] == 3.0);
+  CHECK(values["outage_s"] == 0.75);
 }
 
 TEST_CASE("a flight without steps, and a metric that is not finite, are refused") {

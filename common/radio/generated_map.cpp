@@ -47,6 +47,11 @@ class GeneratedMap final : public SignalMap {
     return at == columns.end() ? spot_builder_.build(point, position, height) : at->second.at(height);
   }
 
+  void scan(std::uint32_t point, world::Position position, std::uint32_t height, std::span<const std::int32_t> also,
+            CellScan& into) override {
+    spot_builder_.scan(point, position, height, also, into);
+  }
+
   [[nodiscard]] const Survey* survey() override {
     if (!survey_) {
       std::vector<double> azimuth_deg;

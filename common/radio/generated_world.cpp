@@ -14,6 +14,7 @@
 #include "common/base/limits.hpp"
 #include "common/radio/models/link_model.hpp"
 #include "common/radio/radio_model.hpp"
+#include "common/radio/serving_rule.hpp"
 #include "common/world/city.hpp"
 #include "common/world/route.hpp"
 #include "common/world/site_map.hpp"
@@ -115,7 +116,7 @@ ParameterSpec propagation_parameter() {
   return spec;
 }
 
-std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
+std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models, bool handover) {
   std::vector<ParameterSpec> all{preset_parameter()};
   const auto append = [&all](const std::vector<ParameterSpec>& part) {
     all.insert(all.end(), part.begin(), part.end());
@@ -126,6 +127,8 @@ std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models) {
   all.push_back(propagation_parameter());
   for (const LinkModelType& model : models) append(model.parameters);
   append(radio_parameters());
+  all.push_back(serving_parameter());
+  if (handover) append(a3_parameters());
   append(world::site_map_parameters());
   return all;
 }
@@ -208,15 +211,26 @@ void check_route_and_stations(const Parameters& world, std::string_view where) {
                       world.number("window_m")));
 }
 
+void refuse_a3_parameters(const Json& given, std::string_view where) {
+  for (const ParameterSpec& spec : a3_parameters())
+    require(!given.contains(spec.name), where, spec.name,
+            "only worlds with serving \"a3\" have handovers; set that, or leave it out");
+}
+
+void check_sync(const Parameters& world, std::string_view where) {
+  require(world.number("qin_db") >= world.number("qout_db"), where, "qin_db",
+          fmt::format("{} is below qout_db {}; use at least that", world.number("qin_db"), world.number("qout_db")));
+}
+
 }  // namespace
 
 const std::vector<ParameterSpec>& generated_world_parameters() {
-  static const std::vector<ParameterSpec> table = table_with(link_model_types());
+  static const std::vector<ParameterSpec> table = table_with(link_model_types(), true);
   return table;
 }
 
-std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model) {
-  return table_with(std::span(&model, 1));
+std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model, bool handover) {
+  return table_with(std::span(&model, 1), handover);
 }
 
 std::vector<std::string> presets_with(const LinkModelType& model) {
@@ -232,7 +246,9 @@ Parameters resolve_generated_world(const Json& given, std::string_view where) {
   const Preset& preset = preset_named(checked.text("preset"));
   const LinkModelType& model =
       link_model_type(given.contains("propagation") ? checked.text("propagation") : model_of(preset));
-  std::vector<ParameterSpec> table = generated_world_parameters(model);
+  const bool handover = a3_rules(checked).has_value();
+  if (!handover) refuse_a3_parameters(given, where);
+  std::vector<ParameterSpec> table = generated_world_parameters(model, handover);
   Json merged = defaults_of(model, preset, table);
   for (ParameterSpec& spec : table)  // where the preset says otherwise, the table's default must be written
     if (merged.contains(spec.name)) spec.default_is_implied = false;
@@ -242,6 +258,7 @@ Parameters resolve_generated_world(const Json& given, std::string_view where) {
   Parameters world(table, merged, where);
   check_heights(world, where);
   check_route_and_stations(world, where);
+  if (handover) check_sync(world, where);
   if (model.check) model.check(world, where);
   return world;
 }

@@ -12,10 +12,11 @@ namespace aloft::radio {
 struct LinkModelType;
 
 /// All parameters of a generated world, with the defaults of preset `published`: city, route, heights, the choice of
-/// the channel model, the parameters of every channel model, radio.
+/// the channel model, the parameters of every channel model, radio, the choice of the serving cell with the parameters
+/// of handover.
 [[nodiscard]] const std::vector<ParameterSpec>& generated_world_parameters();
-/// The parameters of a generated world with this channel model.
-[[nodiscard]] std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model);
+/// The parameters of a generated world with this channel model; `handover`: with serving "a3".
+[[nodiscard]] std::vector<ParameterSpec> generated_world_parameters(const LinkModelType& model, bool handover = false);
 
 /// The presets whose worlds have this channel model, unless they name another one.
 [[nodiscard]] std::vector<std::string> presets_with(const LinkModelType& model);

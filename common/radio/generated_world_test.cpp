@@ -2,8 +2,10 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/base/error.hpp"
+#include "common/radio/serving_rule.hpp"
 
 using namespace aloft;
 using nlohmann::json;
@@ -52,7 +54,7 @@ TEST_CASE("resolving a resolved world gives the same world") {
   for (const char* preset : {"published", "paper-text", "geometric", "3gpp-uma", "3gpp-umi", "3gpp-rma"})
     for (const json& given :
          {json{{"height_step_m", 20}, {"candidates", 6}, {"height_max_m", 240}}, json{{"propagation", "power-law"}},
-          json{{"spectral_efficiency_max", 0}}, json{{"deployment", "poisson"}}}) {
+          json{{"spectral_efficiency_max", 0}}, json{{"deployment", "poisson"}}, json{{"serving", "a3"}}}) {
       json all = given;
       all["preset"] = preset;
       const Parameters world = radio::resolve_generated_world(all, "world");
@@ -87,6 +89,49 @@ TEST_CASE("the presets of 3GPP have its channel models, and its hexagonal grids 
   CHECK(rural.text("propagation") == "rma-av");
   CHECK(rural.number("bs_density_per_km2") == Approx(0.38493).margin(1e-4));
   CHECK(rural.number("carrier_ghz") == 0.7);
+}
+
+TEST_CASE("worlds have the parameters of handover only if networks hand the UAV over") {
+  const Parameters strongest = radio::resolve_generated_world({{"preset", "3gpp-uma"}}, "world");
+  CHECK_FALSE(radio::a3_rules(strongest));
+  for (const char* key : {"serving", "a3_offset_db", "t310_s"}) CHECK_FALSE(strongest.to_json().contains(key));
+  CHECK(radio::resolve_generated_world({{"serving", "strongest"}}, "world").to_json() ==
+        radio::resolve_generated_world(json::object(), "world").to_json());
+
+  // Table A.2.1-1 of TR 36.777; Qout, Qin and T310 of TR 36.839.
+  const auto rules = radio::a3_rules(radio::resolve_generated_world({{"serving", "a3"}}, "world"));
+  REQUIRE(rules);
+  CHECK(rules->offset_db == 2.0);
+  CHECK(rules->time_to_trigger_s == 0.16);
+  CHECK(rules->l3_filter_k == 1);
+  CHECK(rules->l1_window_s == 0.2);
+  CHECK(rules->measurement_error_db == 1.22);
+  CHECK(rules->preparation_s == 0.05);
+  CHECK(rules->execution_s == 0.04);
+  CHECK(rules->minimum_stay_s == 1.0);
+  CHECK(rules->qout_db == -8.0);
+  CHECK(rules->qin_db == -6.0);
+  CHECK(rules->t310_s == 1.0);
+  // Every parameter reaches its rule.
+  const auto other = radio::a3_rules(radio::resolve_generated_world({{"serving", "a3"},
+                                                                     {"a3_offset_db", 3},
+                                                                     {"time_to_trigger_s", 0.01},
+                                                                     {"l3_filter_k", 4},
+                                                                     {"l1_window_s", 0.5},
+                                                                     {"measurement_error_db", 0.02},
+                                                                     {"handover_preparation_s", 0.03},
+                                                                     {"handover_execution_s", 0.06},
+                                                                     {"minimum_stay_s", 0.07},
+                                                                     {"qout_db", -9},
+                                                                     {"qin_db", -5},
+                                                                     {"t310_s", 0.08},
+                                                                     {"reestablishment_s", 0.09}},
+                                                                    "world"));
+  REQUIRE(other);
+  CHECK(std::vector{other->offset_db, other->time_to_trigger_s, 1.0 * other->l3_filter_k, other->l1_window_s,
+                    other->measurement_error_db, other->preparation_s, other->execution_s, other->minimum_stay_s,
+                    other->qout_db, other->qin_db, other->t310_s, other->reestablishment_s} ==
+        std::vector{3.0, 0.01, 4.0, 0.5, 0.02, 0.03, 0.06, 0.07, -9.0, -5.0, 0.08, 0.09});
 }
 
 TEST_CASE("the route's largest offset follows the height step unless it is given") {

@@ -25,4 +25,12 @@ struct Reading {
   std::array<double, max_neighbours> neighbour_sinr_db{};  ///< descending
 };
 
+/// One cell at one place.
+struct CellReading {
+  std::int32_t cell = -1;
+  double power_dbm = 0.0;  ///< received, before fast fading: what a measurement averages
+  double sinr_db = 0.0;    ///< were it to serve
+  double qos = 0.0;        ///< likewise
+};
+
 }  // namespace aloft::radio

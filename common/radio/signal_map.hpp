@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/base/parameters.hpp"
@@ -30,6 +31,12 @@ struct HeightGrid {
 struct Survey {
   Parameters radio;  ///< of the world: every key of generated_world_parameters()
   world::SiteMap map;
+};
+
+/// The cells that a UAV can tell apart at one place, strongest power first.
+struct CellScan {
+  std::vector<CellReading> cells;
+  std::uint32_t neighbours = 0;  ///< how many the UAV reports besides its serving cell
 };
 
 /// All that a UAV can measure in one trial: readings over (route point, lateral position, height). Every agent of the
@@ -61,6 +68,12 @@ class SignalMap {
   [[nodiscard]] virtual Reading reading(std::uint32_t point, world::Position position, std::uint32_t height) {
     return column(point, position)[height];
   }
+
+  /// Cell by cell: those that can serve or are reported, and after them those of `also` that are not among these. The
+  /// best SINR of the candidates is that of reading(), to the bit. std::logic_error if the map does not know single
+  /// cells.
+  virtual void scan(std::uint32_t point, world::Position position, std::uint32_t height,
+                    std::span<const std::int32_t> also, CellScan& into);
 
   /// Null if nobody knows where the base stations are. Valid as long as the map.
   [[nodiscard]] virtual const Survey* survey() { return nullptr; }

@@ -19,15 +19,36 @@ SpotBuilder::SpotBuilder(const Scene& scene, const Fading& fading)
       disturbs_(scene.stations(), 1.0) {}
 
 Reading SpotBuilder::build(std::uint32_t point, world::Position position, std::uint32_t height) {
+  look(position, height);
+  rank_strongest(scene_.reported_stations());
+  find_interferers(scene_.rise_m(height));
+  compute_sinrs(point, height);
+  return choose_serving();
+}
+
+void SpotBuilder::scan(std::uint32_t point, world::Position position, std::uint32_t height,
+                       std::span<const std::int32_t> also, CellScan& into) {
+  look(position, height);
+  const RadioModel& model = scene_.model();
+  rank_strongest(std::min(scene_.stations(), std::max(model.candidates, model.neighbours + 1)));
+  for (const std::int32_t cell : also) add_rank(cell);
+  find_interferers(scene_.rise_m(height));
+  compute_sinrs(point, height);
+  into.neighbours = model.neighbours;
+  into.cells.resize(ranked_.size());
+  for (std::size_t rank = 0; rank < ranked_.size(); ++rank) {
+    constexpr double dbm_of_1_w = 30.0;
+    into.cells[rank] = {static_cast<std::int32_t>(ranked_[rank]), decibel(power_w_[ranked_[rank]]) + dbm_of_1_w,
+                        decibel(sinr_[rank]), spectral_efficiency(sinr_[rank], model.efficiency_max)};
+  }
+}
+
+void SpotBuilder::look(world::Position position, std::uint32_t height) {
   look_from(position, rows_);
   if (scene_.model().bs_antenna == BsAntenna::sector)
     sector_row(scene_.model(), scene_.sector_boresights(), rows_, covers_.data());
   if (scene_.model().bs_antenna == BsAntenna::tr_38_901) azimuth_loss_row(scene_.sector_boresights(), rows_);
   compute_powers(position, height);
-  rank_strongest();
-  find_interferers(scene_.rise_m(height));
-  compute_sinrs(point, height);
-  return choose_serving();
 }
 
 void SpotBuilder::compute_powers(world::Position position, std::uint32_t height) {
@@ -45,14 +66,19 @@ void SpotBuilder::compute_powers(world::Position position, std::uint32_t height)
   received_powers(scene_.model(), rows_, scene_.rise_m(height), power_w_.data());
 }
 
-void SpotBuilder::rank_strongest() {
+void SpotBuilder::rank_strongest(std::uint32_t count) {
   ranked_.resize(scene_.stations());
   std::iota(ranked_.begin(), ranked_.end(), 0U);
   const auto stronger = [this](std::uint32_t a, std::uint32_t b) {
     return power_w_[a] > power_w_[b] || (power_w_[a] == power_w_[b] && a < b);
   };
-  std::partial_sort(ranked_.begin(), ranked_.begin() + scene_.reported_stations(), ranked_.end(), stronger);
-  ranked_.resize(scene_.reported_stations());
+  std::partial_sort(ranked_.begin(), ranked_.begin() + count, ranked_.end(), stronger);
+  ranked_.resize(count);
+}
+
+void SpotBuilder::add_rank(std::int32_t cell) {
+  const auto station = static_cast<std::uint32_t>(cell);
+  if (std::ranges::find(ranked_, station) == ranked_.end()) ranked_.push_back(station);
 }
 
 void SpotBuilder::find_interferers(double rise_m) {

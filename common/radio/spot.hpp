@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/radio/fading.hpp"
@@ -18,10 +19,15 @@ class SpotBuilder {
   SpotBuilder(const Scene& scene, const Fading& fading);
 
   [[nodiscard]] Reading build(std::uint32_t point, world::Position position, std::uint32_t height);
+  /// As SignalMap::scan().
+  void scan(std::uint32_t point, world::Position position, std::uint32_t height, std::span<const std::int32_t> also,
+            CellScan& into);
 
  private:
+  void look(world::Position position, std::uint32_t height);
   void compute_powers(world::Position position, std::uint32_t height);
-  void rank_strongest();
+  void rank_strongest(std::uint32_t count);
+  void add_rank(std::int32_t cell);
   void find_interferers(double rise_m);
   void compute_sinrs(std::uint32_t point, std::uint32_t height);
   [[nodiscard]] Reading choose_serving();

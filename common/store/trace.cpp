@@ -64,6 +64,18 @@ void put_introspection(const std::vector<StepRecord>& steps, proto::Trace& trace
   }
 }
 
+void put_mobility(const std::vector<StepRecord>& steps, proto::Trace& trace) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const flight::MobilityEvents& events = steps[i].mobility;
+    if (events == flight::MobilityEvents{}) continue;
+    trace.add_mobility_row(static_cast<std::uint32_t>(i));
+    trace.add_handovers(events.handovers);
+    trace.add_ping_pongs(events.ping_pongs);
+    trace.add_radio_link_failures(events.radio_link_failures);
+    trace.add_outage_s(events.outage_s);
+  }
+}
+
 void require(bool holds, std::string_view what) {
   if (!holds) throw IntegrityError("the trace of a flight is damaged: {}", what);
 }
@@ -83,6 +95,9 @@ void check_columns(const proto::Trace& trace) {
   for (const int size :
        {trace.epsilon_size(), trace.loss_size(), trace.q_down_size(), trace.q_hold_size(), trace.q_up_size()})
     require(size == trace.thoughts_row_size(), "its columns of introspection have different lengths");
+  for (const int size :
+       {trace.handovers_size(), trace.ping_pongs_size(), trace.radio_link_failures_size(), trace.outage_s_size()})
+    require(size == trace.mobility_row_size(), "its columns of mobility have different lengths");
   require(rows == 0 || trace.pilots_size() > 0, "it names no pilot");
   require(std::ranges::all_of(trace.pilots(), is_name), "a pilot's name is not a name");
 }
@@ -114,6 +129,14 @@ void take_introspection(const proto::Trace& trace, std::vector<StepRecord>& step
   }
 }
 
+void take_mobility(const proto::Trace& trace, std::vector<StepRecord>& steps) {
+  for (int i = 0; i < trace.mobility_row_size(); ++i) {
+    const std::uint32_t row = trace.mobility_row(i);
+    require(row < steps.size() && (i == 0 || row > trace.mobility_row(i - 1)), "its rows of mobility are not in order");
+    steps[row].mobility = {trace.handovers(i), trace.ping_pongs(i), trace.radio_link_failures(i), trace.outage_s(i)};
+  }
+}
+
 }  // namespace
 
 std::string encode_trace(const FlightRecord& record) {
@@ -125,6 +148,7 @@ std::string encode_trace(const FlightRecord& record) {
   put_steps(record.steps, trace);
   put_optional_columns(record.steps, trace);
   put_introspection(record.steps, trace);
+  put_mobility(record.steps, trace);
 
   std::string bytes;
   google::protobuf::io::StringOutputStream stream(&bytes);
@@ -150,6 +174,7 @@ FlightRecord decode_trace(std::string_view bytes) {
   record.steps.reserve(static_cast<std::size_t>(trace.action_size()));
   for (int row = 0; row < trace.action_size(); ++row) record.steps.push_back(step_at(trace, row));
   take_introspection(trace, record.steps);
+  take_mobility(trace, record.steps);
   return record;
 }
 

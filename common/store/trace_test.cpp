@@ -20,8 +20,18 @@ FlightRecord full_record() {
   record.height_start_m = 20.0;
   record.pilots = {"dqn", "min-height"};
   record.steps.push_back({1, Action::up, 1.5, -2.5, 30.0, 7, 3.25, 41000.5, 41000.5, 0, {}});
-  record.steps.push_back({2, Action::absolute, 11.5, -0.0, 120.0, -1, -std::numeric_limits<double>::infinity(), 0.0,
-                          -1.0, 1, agents::Introspection{0.9, 0.125, {1.0, 2.0, 3.0}}});
+  record.steps.push_back({2,
+                          Action::absolute,
+                          11.5,
+                          -0.0,
+                          120.0,
+                          -1,
+                          -std::numeric_limits<double>::infinity(),
+                          0.0,
+                          -1.0,
+                          1,
+                          agents::Introspection{0.9, 0.125, {1.0, 2.0, 3.0}},
+                          {2, 1, 3, 0.25}});
   return record;
 }
 
@@ -39,7 +49,7 @@ bool equal(const FlightRecord& a, const FlightRecord& b) {
     return s.step == t.step && s.action == t.action && same_bits(s.x_m, t.x_m) && same_bits(s.y_m, t.y_m) &&
            same_bits(s.height_m, t.height_m) && s.serving_cell == t.serving_cell &&
            same_bits(s.serving_sinr_db, t.serving_sinr_db) && same_bits(s.qos, t.qos) &&
-           same_bits(s.reward, t.reward) && s.flown_by == t.flown_by && same_thoughts;
+           same_bits(s.reward, t.reward) && s.flown_by == t.flown_by && same_thoughts && s.mobility == t.mobility;
   };
   return a.qos_kind == b.qos_kind && a.height_start_m == b.height_start_m && a.pilots == b.pilots &&
          std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), b.steps.end(), same_step);

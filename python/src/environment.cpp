@@ -27,8 +27,6 @@ void Environment::begin(const Start& start) {
   start_ = start;
   costs_ = worlds_->costs(start.condition);
   flight_.emplace(*map_, start.seed, start.trial, costs_);
-  last_cell_ = -1;
-  handover_ = false;
   observer_.begin(flight_->info());
   try {
     note_report(true);
@@ -40,9 +38,6 @@ void Environment::begin(const Start& start) {
 
 void Environment::step(agents::Action action) {
   flight_->step({.action = action}, pilot);
-  const std::int32_t cell = flight_->observation().serving_cell;
-  handover_ = cell >= 0 && last_cell_ >= 0 && cell != last_cell_;
-  if (cell >= 0) last_cell_ = cell;
   note_report(false);
 }
 

@@ -43,8 +43,8 @@ class Environment {
   [[nodiscard]] std::vector<world::Position> route() const;
   /// Of the last step.
   [[nodiscard]] double energy_j() const;
-  /// Whether the serving cell is another one than at the last earlier step at which one was known.
-  [[nodiscard]] bool handover() const noexcept { return handover_; }
+  /// Whether the UAV was handed over in the last step.
+  [[nodiscard]] bool handover() const noexcept { return flight_->handovers() > 0; }
 
   /// Quality at every height where the result of each step will be read, whatever is flown. InputError if the route
   /// depends on the flight.
@@ -65,8 +65,6 @@ class Environment {
   flight::Costs costs_;
   std::unique_ptr<radio::SignalMap> map_;
   std::optional<flight::Flight> flight_;
-  std::int32_t last_cell_ = -1;
-  bool handover_ = false;
 };
 
 }  // namespace aloft::python

@@ -15,6 +15,7 @@
 #include "common/experiment/file_keys.hpp"
 #include "common/radio/generated_world.hpp"
 #include "common/radio/models/link_model.hpp"
+#include "common/radio/serving_rule.hpp"
 
 namespace aloft::test {
 namespace {
@@ -105,6 +106,11 @@ Json generated_world(Draw& draw, bool small) {
   const auto presets = radio::presets_with(model);
   const bool implied = std::ranges::find(presets, world.value("preset", "published")) != presets.end();
   if (implied && draw.chance(0.5)) world.erase("propagation");
+  if (draw.chance(0.3)) world["serving"] = "a3";
+  if (world.value("serving", "strongest") == "a3") {
+    world.update(draw.some_of(radio::a3_parameters(), 0.2));
+    if (draw.chance(0.7)) world.erase("qout_db");  // two drawn SINRs are often the wrong way round
+  }
   put_heights(draw, small, model, world);
   put_route(draw, small, model, world);
   if (model.check) world["carrier_ghz"] = draw.between(0.7, 30);

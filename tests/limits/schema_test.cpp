@@ -39,6 +39,7 @@ bool no_schema_can_say(const std::string& message) {
       std::regex("height_m(ax|in)_m: .* is below|is no multiple of|does not divide|makes more than .* heights"),
       std::regex("leaves the city|is more than half of window_m|is too few for .* candidates|only one in .* cities "
                  "has|than a hexagonal grid|three cells need|three at each of"),
+      std::regex("qin_db: .* is below qout_db"),
       // worlds that a channel model does not cover
       std::regex("is not the .* m of|is above the range of|is defined (from|up to)"),
       // names that are used twice, take too many bytes, or hold control characters
@@ -95,6 +96,7 @@ class Mutations {
     Json& world = file["world"];
     if (chance(0.3)) world["name"] = "Feld bei Köln";
     if (chance(0.3)) world["propagation"] = one_of<Json>({"power-law", "other-model", {"power-law", "other-model"}});
+    if (chance(0.3)) world["serving"] = one_of<Json>({"strongest", "a3", {"strongest", "a3"}});
     if (chance(0.5)) list_a_value(world);
     for (Json& agent : file["agents"])
       if (chance(0.3)) list_a_value(agent);

@@ -145,11 +145,11 @@ TEST_CASE("a metric of the table is in the database, summaries, exports, tables,
   CHECK(agents["constant-120"]["height_max_mean_m"] == 120.0);
   CHECK(agents["constant-120"]["steps_at_top_mean"] == 2.0);
   CHECK(agents["min-height"]["steps_at_top_mean"].is_null());
-  CHECK_THAT(read_file(dir / "summary.csv"), Contains(",energy_mean_j,height_max_mean_m,steps_at_top_mean,gain_over_"));
+  CHECK_THAT(read_file(dir / "summary.csv"), Contains(",outage_mean_s,height_max_mean_m,steps_at_top_mean,gain_over_"));
   CHECK_THAT(experiment::summary_table(summary), Contains("top km  at top") && Contains("  0.120     2.0"));
 
   CHECK_THAT(exported(dir, exports::RowFormat::csv),
-             Contains(",energy_j,height_max_m,steps_at_top,digest\n") && Contains(",120.0,2,") && Contains(",40.0,,"));
+             Contains(",outage_s,height_max_m,steps_at_top,digest\n") && Contains(",120.0,2,") && Contains(",40.0,,"));
   CHECK(nlohmann::json::parse(exported(dir, exports::RowFormat::json))[1]["steps_at_top"] == 2);
 
   std::vector<store::ResultStore> runs;

@@ -109,13 +109,21 @@ struct Flown {
   }
 };
 
+/// The worlds of a check.
+struct Surroundings {
+  std::string_view name;
+  QosKind kind = QosKind::spectral_efficiency;
+  Costs costs{};
+};
+
 class Kit {
  public:
-  Kit(const AgentSpec& spec, const ConformanceOptions& options, QosKind kind)
+  Kit(const AgentSpec& spec, const ConformanceOptions& options, const Surroundings& around)
       : spec_(spec),
         type_(agents::agent_type(spec.type)),
         options_(options),
-        map_(world(kind, options.steps, levels, seed)) {}
+        around_(around),
+        map_(world(around.kind, options.steps, levels, seed)) {}
 
   /// The first problem of every check.
   std::vector<std::string> problems() {
@@ -142,7 +150,7 @@ class Kit {
 
   /// Whether the commands change when every quality that the UAV did not measure is changed.
   bool depends_on_unmeasured() {
-    Flight flight(map_, seed, trial);
+    Flight flight(map_, seed, trial, around_.costs);
     const auto agent = spec_.make();
     SyntheticMap other = map_;
     for (std::uint32_t point = 0; point < other.qos().size(); ++point) change(other, point);
@@ -184,9 +192,8 @@ class Kit {
     } catch (const std::exception& error) {
       problem = fmt::format("{}: throws \"{}\"", what, error.what());
     }
-    const std::string kind = map_.qos_kind() == QosKind::throughput ? "throughput" : "spectral efficiency";
     const auto name = [&](const std::string& text) {
-      problems_.push_back(fmt::format("agent {}, {}: {}", spec_.name, kind, text));
+      problems_.push_back(fmt::format("agent {}, {}: {}", spec_.name, around_.name, text));
     };
     if (!illegal_command_.empty() && !illegal_command_named_) name(illegal_command_);
     illegal_command_named_ = !illegal_command_.empty();
@@ -234,7 +241,7 @@ class Kit {
   /// Ends the flight early, after the command for step `stop` + 1.
   Flown fly(SyntheticMap& map, Agent& agent, const Pilot& pilot, std::uint64_t flight_seed = seed,
             std::uint32_t stop = to_the_end) {
-    Flight flight(map, flight_seed, trial);
+    Flight flight(map, flight_seed, trial, around_.costs);
     Flown flown;
     agent.begin(flight.info());
     while (true) {
@@ -326,7 +333,7 @@ class Kit {
   }
 
   Flown fly_from(std::uint32_t first) {
-    Flight flight(map_, seed, trial);
+    Flight flight(map_, seed, trial, around_.costs);
     for (std::uint32_t step = 0; step < first; ++step) flight.step(fly_to_both_limits({}, step), "pilot");
     const auto agent = spec_.make();
     agent->begin(flight.info());
@@ -365,7 +372,7 @@ class Kit {
 
   /// Saves after the command for step `stop` + 1 and goes on with a new agent.
   Interrupted fly_interrupted(std::uint32_t stop) {
-    Flight flight(map_, seed, trial);
+    Flight flight(map_, seed, trial, around_.costs);
     auto agent = spec_.make();
     agent->begin(flight.info());
     Flown flown;
@@ -427,7 +434,7 @@ class Kit {
 
   std::string check_surveying() {
     const auto agent = spec_.make();
-    const Flight flight(map_, seed, trial);
+    const Flight flight(map_, seed, trial, around_.costs);
     agent->begin(flight.info());
     try {
       agent->survey(flight.site_map(false));
@@ -440,7 +447,7 @@ class Kit {
 
   std::string check_foreseeing() {
     const auto agent = spec_.make();
-    agent->begin(Flight(map_, seed, trial).info());
+    agent->begin(Flight(map_, seed, trial, around_.costs).info());
     try {
       agent->foresee(HeightProfile{1, 40.0, 10.0, std::vector<double>(levels)});
     } catch (const std::logic_error&) {
@@ -453,6 +460,7 @@ class Kit {
   const AgentSpec& spec_;
   const AgentType& type_;
   const ConformanceOptions& options_;
+  const Surroundings& around_;
   SyntheticMap map_;
   HeightProfile buffer_;
   Command command_;
@@ -461,26 +469,29 @@ class Kit {
   std::vector<std::string> problems_;
 };
 
-constexpr std::array kinds{QosKind::spectral_efficiency, QosKind::throughput};
+constexpr std::array all_surroundings{
+    Surroundings{.name = "spectral efficiency"}, Surroundings{.name = "throughput", .kind = QosKind::throughput},
+    Surroundings{.name = "spectral efficiency with handovers", .costs = {.a3 = radio::A3Rules{}}}};
 
 }  // namespace
 
 std::vector<std::string> conformance_problems(const nlohmann::json& entry, const ConformanceOptions& options) {
   std::vector<std::string> all;
   for (const AgentSpec& spec : agents::parse_agents(entry, "agent"))
-    for (const QosKind kind : kinds)
-      for (std::string& problem : Kit(spec, options, kind).problems()) all.push_back(std::move(problem));
+    for (const Surroundings& around : all_surroundings)
+      for (std::string& problem : Kit(spec, options, around).problems()) all.push_back(std::move(problem));
   return all;
 }
 
 bool depends_on_unmeasured(const AgentSpec& spec, const ConformanceOptions& options) {
-  return std::any_of(kinds.begin(), kinds.end(),
-                     [&](QosKind kind) { return Kit(spec, options, kind).depends_on_unmeasured(); });
+  return std::ranges::any_of(
+      all_surroundings, [&](const Surroundings& around) { return Kit(spec, options, around).depends_on_unmeasured(); });
 }
 
 bool depends_beyond_next_step(const AgentSpec& spec, const ConformanceOptions& options) {
-  return std::any_of(kinds.begin(), kinds.end(),
-                     [&](QosKind kind) { return Kit(spec, options, kind).depends_beyond_next_step(); });
+  return std::ranges::any_of(all_surroundings, [&](const Surroundings& around) {
+    return Kit(spec, options, around).depends_beyond_next_step();
+  });
 }
 
 }  // namespace aloft::flight

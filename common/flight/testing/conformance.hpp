@@ -18,8 +18,9 @@ struct ConformanceOptions {
 /// Checks every promise of an agent: legal commands, at the height limits too; the same commands in the same flight; a
 /// later flight like a fresh agent's, also after one that ended early; save and restore in mid-flight; damaged states
 /// refused; nothing foreseen without the privilege; commands that depend on past reports alone; steps flown by another
-/// agent; coming aboard in mid-flight; both kinds of quality. `entry` is an agent as in an experiment file. Returns
-/// what is wrong and where to look, one sentence each; nothing if the agent conforms.
+/// agent; coming aboard in mid-flight; both kinds of quality; serving cells that depend on the flight. `entry` is an
+/// agent as in an experiment file. Returns what is wrong and where to look, one sentence each; nothing if the agent
+/// conforms.
 [[nodiscard]] std::vector<std::string> conformance_problems(const nlohmann::json& entry,
                                                             const ConformanceOptions& options = {});
 /// The same as Catch2 checks, in the library aloft_agent_conformance.

@@ -11,6 +11,12 @@ namespace aloft::flight {
 
 using radio::QosKind;
 
+namespace {
+
+constexpr std::int32_t cells = 7;
+
+}  // namespace
+
 SyntheticMap::SyntheticMap(QosKind kind, const radio::HeightGrid& grid, std::vector<std::vector<double>> qos)
     : kind_(kind), grid_(grid), qos_(std::move(qos)), columns_(qos_.size()) {
   for (std::uint32_t point = 0; point < qos_.size(); ++point) {
@@ -39,7 +45,7 @@ radio::Reading SyntheticMap::made_of(std::uint32_t point, std::uint32_t index) c
   reading.qos = qos_[point][index];
   const double spectral_efficiency = kind_ == QosKind::throughput ? reading.qos / 10'000.0 : reading.qos;
   reading.serving_sinr_db = 10.0 * std::log10(std::exp2(spectral_efficiency) - 1.0 + 1e-9);
-  reading.serving_cell = static_cast<std::int32_t>(reading.qos) % 7;
+  reading.serving_cell = static_cast<std::int32_t>(reading.qos) % cells;
   reading.neighbour_count = kind_ == QosKind::throughput ? 0 : radio::max_neighbours;
   for (std::uint32_t i = 0; i < reading.neighbour_count; ++i)
     reading.neighbour_sinr_db.at(i) = reading.serving_sinr_db - 3.0 * (i + 1);
@@ -94,6 +100,16 @@ const std::vector<radio::Reading>& SyntheticMap::column(std::uint32_t point, wor
 
 radio::Reading SyntheticMap::reading(std::uint32_t point, world::Position position, std::uint32_t height) {
   return read(point, position).at(height);
+}
+
+void SyntheticMap::scan(std::uint32_t point, world::Position position, std::uint32_t height,
+                        std::span<const std::int32_t> /*also*/, radio::CellScan& into) {
+  const radio::Reading strongest = reading(point, position, height);
+  into.neighbours = strongest.neighbour_count;
+  into.cells.clear();
+  for (int i = 0; i < cells; ++i)
+    into.cells.push_back({(strongest.serving_cell + i) % cells, -80.0 - 3.0 * i, strongest.serving_sinr_db - 3.0 * i,
+                          strongest.qos / (1.0 + i)});
 }
 
 }  // namespace aloft::flight

@@ -12,7 +12,8 @@ namespace aloft::flight {
 ///
 /// Like a generated world, point 0 is never scored (result_point(j) = j); with QosKind::throughput it is like a
 /// measured flight (result_point(j) = j - 1). Readings have a SINR that follows from the quality and 5 neighbours below
-/// it.
+/// it. There are seven cells; the one of the reading is the strongest, and each of the others 3 dB weaker than the
+/// next.
 class SyntheticMap final : public radio::SignalMap {
  public:
   /// `qos[point][i]`: at height grid.height_min_m + i * grid.resolution_m; all rows have grid.size() values.
@@ -41,6 +42,8 @@ class SyntheticMap final : public radio::SignalMap {
   [[nodiscard]] const radio::Survey* survey() override;
   [[nodiscard]] const std::vector<radio::Reading>& column(std::uint32_t point, world::Position position) override;
   [[nodiscard]] radio::Reading reading(std::uint32_t point, world::Position position, std::uint32_t height) override;
+  void scan(std::uint32_t point, world::Position position, std::uint32_t height, std::span<const std::int32_t> also,
+            radio::CellScan& into) override;
   /// How many columns have been asked for.
   [[nodiscard]] std::uint32_t columns_read() const noexcept { return columns_read_; }
 

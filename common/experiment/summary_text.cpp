@@ -52,7 +52,10 @@ std::string quartiles(const OrderedJson& agent, double unit) {
   return interval(OrderedJson::array({agent["qos_q25"], agent["qos_q75"]}), unit);
 }
 
-std::vector<TextTable::Cell> table_row(const std::string& name, const OrderedJson& agent, radio::QosKind kind) {
+using MetricList = std::vector<flight::Metric>;
+
+std::vector<TextTable::Cell> table_row(const std::string& name, const OrderedJson& agent, radio::QosKind kind,
+                                       const MetricList& shown) {
   const double unit = flight::metrics()[flight::quality].unit_in(kind).stored_per_shown;
   std::vector<TextTable::Cell> row{agents::marked(name, agents::privilege_tier(agent["privilege"].get<std::string>())),
                                    agent["trials"].dump(),
@@ -60,23 +63,22 @@ std::vector<TextTable::Cell> table_row(const std::string& name, const OrderedJso
                                    interval(agent["qos_ci95"], unit),
                                    digits(agent["qos_median"], unit),
                                    quartiles(agent, unit)};
-  for (const flight::Metric& metric : flight::other_metrics()) row.emplace_back(mean_of(metric, agent, kind));
+  for (const flight::Metric& metric : shown) row.emplace_back(mean_of(metric, agent, kind));
   row.emplace_back(gain(agent, unit));
   return row;
 }
 
-TextTable condition_table(const OrderedJson& condition) {
+TextTable condition_table(const OrderedJson& condition, const MetricList& shown) {
   const radio::QosKind kind = condition.at("qos_unit") == qos_unit(WorldKind::measured)
                                   ? radio::QosKind::throughput
                                   : radio::QosKind::spectral_efficiency;
   std::vector<TextTable::Column> columns{
       {"agent"},     {"trials", 5}, {std::string(flight::metrics()[flight::quality].unit_in(kind).shown)},
       {"[95 %]", 1}, {"median", 7}, {"[quartiles]", 8}};
-  for (const flight::Metric& metric : flight::other_metrics())
-    columns.push_back({std::string(metric.heading), metric.table_rank});
+  for (const flight::Metric& metric : shown) columns.push_back({std::string(metric.heading), metric.table_rank});
   columns.push_back({"gain over min-height"});
   TextTable table(std::move(columns));
-  for (const auto& [name, agent] : condition.at("agents").items()) table.add(table_row(name, agent, kind));
+  for (const auto& [name, agent] : condition.at("agents").items()) table.add(table_row(name, agent, kind, shown));
   return table;
 }
 
@@ -86,6 +88,16 @@ bool has_agent(const OrderedJson& summary, Predicate predicate) {
     for (const OrderedJson& agent : condition.at("agents"))
       if (predicate(agent)) return true;
   return false;
+}
+
+/// Metrics that no flight has make no column.
+MetricList shown_metrics(const OrderedJson& summary) {
+  MetricList shown;
+  for (const flight::Metric& metric : flight::other_metrics())
+    if (!metric.optional ||
+        has_agent(summary, [&](const OrderedJson& agent) { return !agent.at(metric.mean_key).is_null(); }))
+      shown.push_back(metric);
+  return shown;
 }
 
 }  // namespace
@@ -122,10 +134,11 @@ std::string summary_table(const OrderedJson& summary, const TableShape& shape) {
     text += line(fmt::format("Privileged: {}.", agents::marks_explained()));
   if (has_agent(summary, [](const OrderedJson& agent) { return agent["trials"] > 0 && agent["qos_ci95"].is_null(); }))
     text += line("No interval: there is one flight, or all flights gave the same.");
+  const MetricList shown = shown_metrics(summary);
   std::vector<TextTable> tables;
   unsigned rank = TextTable::every_rank;  // the same columns in all conditions
   for (const OrderedJson& condition : summary.at("conditions")) {
-    tables.push_back(condition_table(condition));
+    tables.push_back(condition_table(condition, shown));
     rank = std::min(rank, tables.back().fitting_rank(shape));
   }
   for (std::size_t i = 0; i < tables.size(); ++i)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/base/build_info.hpp"
@@ -80,16 +81,28 @@ json missing_lines(const std::vector<ReportCondition>& conditions, bool name_exp
   return lines;
 }
 
-/// All metrics but the quality, in the order of the columns.
-json metric_list() {
+/// Whether some flight has this metric.
+bool is_known(const flight::Metric& metric, std::span<const ReportCondition> conditions) {
+  return std::ranges::any_of(conditions, [&](const ReportCondition& condition) {
+    return std::ranges::any_of(condition.all.agents, [&](const AgentTrials& agent) {
+      const auto values = agent.metrics.find(metric.key);
+      return values != agent.metrics.end() &&
+             std::ranges::any_of(values->second, [](double value) { return std::isfinite(value); });
+    });
+  });
+}
+
+/// All metrics but the quality and those that no flight has, in the order of the columns.
+json metric_list(std::span<const ReportCondition> conditions) {
   json list = json::array();
   for (const flight::Metric& metric : flight::other_metrics())
-    list.push_back({{"name", metric.name},
-                    {"title", title_of(metric)},
-                    {"decimals", metric.report_decimals},
-                    {"better", metric.better == flight::Better::higher  ? json("higher")
-                               : metric.better == flight::Better::lower ? json("lower")
-                                                                        : json()}});
+    if (!metric.optional || is_known(metric, conditions))
+      list.push_back({{"name", metric.name},
+                      {"title", title_of(metric)},
+                      {"decimals", metric.report_decimals},
+                      {"better", metric.better == flight::Better::higher  ? json("higher")
+                                 : metric.better == flight::Better::lower ? json("lower")
+                                                                          : json()}});
   return list;
 }
 
@@ -232,7 +245,7 @@ nlohmann::json report_data(std::span<const store::ResultStore> runs, const Choic
             {"experiments", json::array()},
             {"missing", missing_lines(conditions, several)},
             {"agents", agent_list(all)},
-            {"metrics", metric_list()},
+            {"metrics", metric_list(conditions)},
             {"parameter_titles", parameter_titles(runs)},
             {"privilege_tiers", tier_list()},
             {"marks_explained", agents::marks_explained()},

@@ -139,6 +139,21 @@ TextTable tournament_overview(std::span<const ConditionTrials> conditions, const
   return table;
 }
 
+namespace {
+
+/// Metrics that no agent of the view has make no column.
+std::vector<flight::Metric> metrics_in(const json& view) {
+  std::vector<flight::Metric> known;
+  for (const flight::Metric& metric : flight::other_metrics())
+    if (!metric.optional || std::ranges::any_of(view.at("agents"), [&](const json& row) {
+          return !row.at("metrics").at(std::string(metric.name)).is_null();
+        }))
+      known.push_back(metric);
+  return known;
+}
+
+}  // namespace
+
 std::string tournament_details(std::span<const ConditionTrials> conditions) {
   std::string text;
   for (const ConditionTrials& condition : conditions) {
@@ -150,7 +165,8 @@ std::string tournament_details(std::span<const ConditionTrials> conditions) {
         condition.kind == experiment::WorldKind::measured ? condition.label : heading(condition) + " per km²",
         condition.qos_unit());
     std::string rule = "|---|---|---|---|---|---|---|---|";
-    for (const flight::Metric& metric : flight::other_metrics()) {
+    const std::vector<flight::Metric> shown = metrics_in(view);
+    for (const flight::Metric& metric : shown) {
       text += fmt::format(" {} |", heading_of(metric));
       rule += "---|";
     }
@@ -170,7 +186,7 @@ std::string tournament_details(std::span<const ConditionTrials> conditions) {
                             row.at("headroom_share").is_null()
                                 ? "-"
                                 : fmt::format("{:.0f} %", 100.0 * row.at("headroom_share").get<double>()));
-      for (const flight::Metric& metric : flight::other_metrics())
+      for (const flight::Metric& metric : shown)
         text += fmt::format(" {} |",
                             number_or_dash(row.at("metrics").at(std::string(metric.name)), metric.report_decimals));
       text += '\n';

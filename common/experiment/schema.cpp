@@ -176,8 +176,10 @@ std::span<const ParameterSpec> file_settings() {
       choice_parameter("on_agent_loss", "restart", {"restart", "failover"},
                        "When an agent is lost: fly again from the start, or let the next agent take over."),
       integer_parameter("max_attempts", 3, 1, 100, "How many times a failing trial is tried."),
-      number_parameter("speed_m_per_s", flight::Costs{}.speed_m_per_s, 1, 40,
-                       "Speed of the UAV along its route, for its energy; a step of a measured flight counts as 10 m."),
+      number_parameter(
+          "speed_m_per_s", flight::Costs{}.speed_m_per_s, 1, 40,
+          "Speed of the UAV along its route, for its energy, outage and handovers; a step of a measured flight "
+          "counts as 10 m."),
       number_parameter("energy_weight", 0, 0, 1e4, "Subtracted from the reward per joule, in bit/s/Hz or kbit/s."),
       number_parameter("handover_cost", 0, 0, 1e6,
                        "Subtracted from the reward per change of serving cell, in bit/s/Hz or kbit/s."),

@@ -53,6 +53,21 @@ TEST_CASE("random experiments that are accepted fly in process and over DDS with
   }
 }
 
+TEST_CASE("flights that networks hand over have the same bytes in process and over DDS") {
+  const ScratchDir scratch;
+  const auto crew = nlohmann::json::array(
+      {{{"agent", "random-walk"}, {"shadow", true}}, {{"agent", "height-filter"}, {"from_step", 9}, {"shadow", true}}});
+  const nlohmann::json dqn{{"type", "dqn"}, {"epochs", 3}};
+  const nlohmann::json relay{{"type", "relay"}, {"name", "crew"}, {"crew", crew}};
+  CHECK(flies({{"name", "handed-over"},
+               {"trials", 2},
+               {"handover_cost", 0.5},
+               {"handover_loss", 0.5},
+               {"world", {{"serving", "a3"}, {"bs_density_per_km2", 5}, {"steps", 20}}},
+               {"agents", {"random-walk", "planner", dqn, relay}}},
+              scratch));
+}
+
 TEST_CASE("experiments at the limits fly in process and over DDS with the same bytes") {
   const ScratchDir scratch;
   const std::string csv = (scratch / "flight.csv").string();

@@ -73,7 +73,7 @@ void add_commands(CLI::App& app, aloft::cli::Job& job) {
   add_group("See what is there", {add_agents, add_inspect, add_status, add_doctor});
   add_group("Several machines, and changes in mid-flight",
             {add_coordinator, add_metrics, add_worker, add_swap, add_keys});
-  add_group("Data and models", {add_import_rdata, add_train});
+  add_group("Data and models", {add_import_rdata, add_import_scatter, add_import_map, add_train});
   add_group("Help", {add_help, add_completions});
   add_examples(app);
 }

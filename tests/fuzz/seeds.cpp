@@ -19,6 +19,7 @@
 #include "tests/fuzz/remembering.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tests/paths.hpp"
+#include "tools/importer/test_npz.hpp"
 #include "tools/importer/test_workspace.hpp"
 
 namespace {
@@ -117,6 +118,14 @@ void add_texts(Seeds& seeds) {
   seeds.add("measured_sites", "all-columns",
             "azimuth_deg,power_w,cell,latitude,longitude,antenna_height_m\r\n120,40,270000001,53.34,-6.24,30\r\n"
             "0,2e1,8,53.35,-6.2,18.5\r\n");
+  const std::string scatter = read_file(test::source_dir() / "data/samples/scatter_sample.csv");
+  seeds.add("scatter", "sample", scatter.substr(0, scatter.rfind('\n', largest_seed_bytes) + 1));
+  seeds.add("scatter", "two-heights",
+            "time,latitude,longitude,altitude_m,cell,sinr_db\n0,0,0,20,1,5\n\"10\",0,0.0001,20,1,6\n"
+            "2026-05-01 12:00:00+02:00,0,0,30,2,-7\n2026-05-01T12:00:10.5Z,0,0.0001,30,2,8\n");
+  seeds.add("radio_map", "npz", importer::test::npz(importer::test::small_map()));
+  seeds.add("radio_map", "packed", read_file(test::source_dir() / "data/samples/map_sample.npz"));
+  for (const auto& [name, content] : importer::test::small_map()) seeds.add("radio_map", name, content);
   const std::string workspace = importer::test::xdr_workspace({{"history", std::vector<double>{1.0}, true},
                                                                {"rate", std::vector<double>{46905.66, 0.1}},
                                                                {"level", std::vector<std::int32_t>{1, -7}},

@@ -50,6 +50,7 @@ int import_map(MapCommand options) {
                                {"steps", world.route.size()},
                                {"heights", world.height_m.size()}};
   if (options.floor_dbm) facts["floor_dbm"] = *options.floor_dbm;
+  std::filesystem::remove(sites);  // of another map: --force was given
   if (!known_sites.empty()) write_file(sites, known_sites);
   options.files.write_facts(content, facts);
   write_file(options.files.out, importer::to_csv(world));

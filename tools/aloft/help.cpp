@@ -123,10 +123,10 @@ const CommandExamples all_examples[] = {
       {"for the workers of another host", "aloft keys issue keys environment channel --name host7 --out keys-host7"}}},
     {"import-rdata", {{"the flight over Grand Canal Quay", "aloft import-rdata Real_canal_tudo1.Rdata --out gcq.csv"}}},
     {"import-scatter",
-     {{"the sample that comes with Aloft: SINR of the serving cell, where it was measured",
+     {{"the SINR of the serving cell, wherever it was measured",
        "aloft import-scatter data/samples/scatter_sample.csv --altitude altitude_m --sinr sinr_db --cell cell --time "
        "time --ground 4 --out grid.csv"},
-      {"RSRP of all cells that were heard, along a route of your own",
+      {"the RSRP of all cells, along a route of your own",
        "aloft import-scatter scan.csv --rsrp rsrp --cell pci --route 53.340,-6.240 53.345,-6.230 --out grid.csv"}}},
     {"import-map",
      {{"the sample that comes with Aloft",

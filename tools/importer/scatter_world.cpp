@@ -146,7 +146,7 @@ HeldOut held_out_error(const Scatter& scatter, const ScatterOptions& options) {
   std::map<std::int32_t, ErrorSum> by_cell;
   for (const Sample& sample : scatter.samples) {
     const auto near_in_time = [&](const Sample& other) {
-      return &other == &sample || (scatter.has_times && std::fabs(other.time_s - sample.time_s) <= options.apart_s);
+      return &other == &sample || (scatter.has_times && std::fabs(other.time_s - sample.time_s) < options.apart_s);
     };
     const CellValues known = field.at(sample.position, sample.height_m, near_in_time);
     const std::optional<double> prediction =

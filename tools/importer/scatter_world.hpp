@@ -37,7 +37,7 @@ struct HeldOutError {
   double root_mean_square = 0.0;
 };
 
-/// For all samples, and for each cell: every sample in turn is predicted from those that were taken more than apart_s
+/// For all samples, and for each cell: every sample in turn is predicted from those that were taken apart_s or more
 /// before or after it (without times: from all others).
 struct HeldOut {
   HeldOutError all;

@@ -29,8 +29,8 @@ std::vector<double> imported_heights(const HeightOptions& options, double lowest
         "{}: {:g} heights from {:g} to {:g} m in steps of {:g} m; a measured world has 2 to {:g}. The data are from "
         "{:g} to {:g} m high: give --height-min, --height-max and --height-step",
         where, std::max(levels, 0.0), min_m, max_m, step_m, heights_at_most, lowest_m, highest_m);
-  std::vector<double> height_m;
-  for (int level = 0; level < static_cast<int>(levels); ++level) height_m.push_back(min_m + step_m * level);
+  std::vector<double> height_m(static_cast<std::size_t>(levels), min_m);
+  for (std::size_t level = 0; level < height_m.size(); ++level) height_m[level] += step_m * static_cast<double>(level);
   return height_m;
 }
 

@@ -37,10 +37,9 @@ void step(Fleet& fleet, std::uint32_t number) {
   fleet.step(actions);
 }
 
-}  // namespace
-
-TEST_CASE("a flight has the trace of the flight that fly() gives for the same commands") {
-  const auto shared = worlds();
+/// Flies two environments, and the same flights by themselves.
+void check_traces(const char* json) {
+  const auto shared = worlds(json);
   Fleet fleet(shared, {.environments = 2, .threads = 1});
   begin(fleet, 7);
   for (std::uint32_t number = 0; fleet.columns().flag[Fleet::terminated * 2] == 0; ++number) step(fleet, number);
@@ -52,6 +51,13 @@ TEST_CASE("a flight has the trace of the flight that fly() gives for the same co
     CHECK(fleet.look(i, [](const Environment& one) { return one.trace("me"); }) ==
           store::encode_trace(flight.record()));
   }
+}
+
+}  // namespace
+
+TEST_CASE("a flight has the trace of the flight that fly() gives for the same commands") {
+  check_traces(city);
+  check_traces(R"({"bs_density_per_km2": 5, "serving": ["strongest", "a3"], "height_resolution_m": 10})");
 }
 
 TEST_CASE("any number of threads gives the same columns, over the ends of flights") {

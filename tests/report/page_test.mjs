@@ -63,6 +63,7 @@ function leastMarks(name, data, condition, view) {
   if (name.endsWith('-gain')) return count - 1 + known((agent) => agent.gain.ci95);
   if (name.endsWith('-profile')) return count;
   if (name.endsWith('-energy')) return 2 * count + known((agent) => agent.ci95);
+  if (name.endsWith('-heights')) return condition.views[view].agents.reduce((sum, agent) => sum + agent.heights.height_m.length, 0);
   if (name.endsWith('-gains')) return 2 * (data.agents.length - 1);
   if (name.endsWith('-over-steps')) return flight.agents.length;
   if (name.endsWith('-heat-map')) return flight.step.length * flight.map.height_m.length;
@@ -143,7 +144,7 @@ describe('the report in a browser', () => {
   test('generated cities: every chart, light and wide', async () => {
     succeed('report', generated);
     const {data, names} = await checkPage(browser, join(generated, 'report.html'));
-    for (const ending of ['-qos', '-gain', '-profile', '-energy', '-mean-height', '-height-over-steps', '-qos-over-steps', '-heat-map', '-city', '-epsilon', '-loss', '-q-values'])
+    for (const ending of ['-qos', '-gain', '-profile', '-energy', '-heights', '-mean-height', '-height-over-steps', '-qos-over-steps', '-heat-map', '-city', '-epsilon', '-loss', '-q-values'])
       assert.ok(names.some((name) => name.endsWith(ending)), `no chart ${ending}`);
     assert.equal(names.filter((name) => name.endsWith('-qos')).length, data.conditions.length);
     assert.deepEqual(data.missing, []);

@@ -96,6 +96,23 @@ json performance_profile(const std::vector<double>& sample, const std::vector<do
   return profile;
 }
 
+/// The histogram of the heights of all steps of all flights.
+json heights_flown(const AgentTrials& agent) {
+  std::map<double, std::uint32_t> steps_at_m;
+  double steps = 0.0;
+  for (const auto& flight : agent.steps_at_m)
+    for (const auto& [height_m, count] : flight) {
+      steps_at_m[height_m] += count;
+      steps += count;
+    }
+  json heights{{"height_m", json::array()}, {"share", json::array()}};
+  for (const auto& [height_m, count] : steps_at_m) {
+    heights["height_m"].push_back(rounded(height_m));
+    heights["share"].push_back(rounded(count / steps));
+  }
+  return heights;
+}
+
 json agent_row(const ConditionTrials& condition, const AgentTrials& agent, const std::vector<double>& thresholds) {
   json row{{"name", agent.name},
            {"privilege", agents::privilege_tier(agent.privilege).name},
@@ -107,6 +124,7 @@ json agent_row(const ConditionTrials& condition, const AgentTrials& agent, const
                                                experiment::interquartile_mean))},
            {"height_ci95_m", as_json(experiment::bootstrap_ci95(agent.metrics.at("height_mean_m"), condition.seed))},
            {"profile", performance_profile(agent.qos, thresholds)},
+           {"heights", heights_flown(agent)},
            {"gain", gain_over(agent, condition.agent("min-height"), condition.seed)}};
   for (const flight::Metric& metric : flight::other_metrics())
     row["metrics"][std::string(metric.name)] = rounded(experiment::mean(agent.metrics.at(std::string(metric.key))));

@@ -10,7 +10,8 @@ namespace aloft::report {
 /// {"trials", "profile_thresholds": [q...], "agents": [{"name", "privilege", "trials", "mean", "ci95": [lo, hi],
 /// "median", "q25", "q75", "whiskers": [lo, hi], "outliers": [...], "iqm", "iqm_ci95", "height_ci95_m", "metrics":
 /// {name: mean in the unit that people read; null: unknown}, "headroom_share" (0: min-height, 1: the planner; null
-/// without them), "profile": [share of trials above each threshold...], "gain": null |
+/// without them), "profile": [share of trials above each threshold...], "heights": {"height_m": [...], "share": [of
+/// all steps...]}, "gain": null |
 /// {"pairs", "mean", "ci95", "probability_of_improvement"}}]}, gain over min-height on the same worlds. The intervals
 /// are seeded like those of summary.json, and equal to them; null where nothing varies, as with one trial.
 [[nodiscard]] nlohmann::json statistics_view(const ConditionTrials& condition);

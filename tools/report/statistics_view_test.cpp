@@ -51,6 +51,15 @@ TEST_CASE("The share of the head-room runs from min-height to the planner", "[re
   CHECK(without["agents"][0]["headroom_share"].is_null());
 }
 
+TEST_CASE("Heights flown are shares of the steps of all flights", "[report]") {
+  AgentTrials low = agent("min-height", "min-height", {4.0, 6.0});
+  AgentTrials high = agent("planner", "planner", {4.0, 6.0});
+  high.steps_at_m = {{{40.0, 10}, {60.0, 90}}, {{60.0, 30}, {110.0, 70}}};
+  const json view = statistics_view(condition(1, 200, {low, high}));
+  CHECK(view["agents"][0]["heights"] == json({{"height_m", {40.0}}, {"share", {1.0}}}));
+  CHECK(view["agents"][1]["heights"] == json({{"height_m", {40.0, 60.0, 110.0}}, {"share", {0.05, 0.6, 0.35}}}));
+}
+
 TEST_CASE("A performance profile counts the trials above each threshold", "[report]") {
   const json view = statistics_view(condition(1, 200, {agent("min-height", "min-height", {0.0, 2.0, 4.0, 8.0})}));
   const json& thresholds = view["profile_thresholds"];

@@ -10,8 +10,8 @@
 
 namespace aloft::report::testing {
 
-/// An agent with these values in trials 0, 1, ...; mean height 40 m, no height changes, 12.5 kJ, 3 handovers; all other
-/// metrics are 0.
+/// An agent with these values in trials 0, 1, ...; all of its 100 steps at 40 m, no height changes, 12.5 kJ, 3
+/// handovers; all other metrics are 0.
 inline AgentTrials agent(std::string name, std::string type, std::vector<double> qos) {
   AgentTrials result{std::move(name), std::move(type)};
   const agents::AgentSpec spec =
@@ -26,6 +26,7 @@ inline AgentTrials agent(std::string name, std::string type, std::vector<double>
   for (std::size_t i = 0; i < result.qos.size(); ++i) result.trials.push_back(static_cast<std::uint32_t>(i));
   for (const flight::Metric& metric : flight::other_metrics())
     result.metrics[std::string(metric.key)].assign(result.qos.size(), 0.0);
+  result.steps_at_m.assign(result.qos.size(), {{40.0, 100}});
   result.metrics["height_mean_m"].assign(result.qos.size(), 40.0);
   result.metrics["energy_j"].assign(result.qos.size(), 12.5);  // kJ, as shown
   result.metrics["handovers"].assign(result.qos.size(), 3.0);

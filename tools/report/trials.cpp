@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -86,12 +87,28 @@ ConditionTrials describe(const experiment::Experiment& experiment, const experim
   return trials;
 }
 
+/// The steps of a flight by height. Only agents in generated worlds can be between two levels.
+std::map<double, std::uint32_t> heights_of(const flight::FlightRecord& record, const experiment::Condition& condition) {
+  std::map<double, std::uint32_t> steps_at_m;
+  for (const flight::StepRecord& step : record.steps) {
+    double height_m = step.height_m;
+    if (condition.kind == WorldKind::generated) {
+      const double lowest_m = condition.world.number("height_min_m");
+      const double level_m = condition.world.number("height_step_m");
+      height_m = lowest_m + level_m * std::round((height_m - lowest_m) / level_m);
+    }
+    ++steps_at_m[height_m];
+  }
+  return steps_at_m;
+}
+
 /// The entries of `from` at these indices.
 AgentTrials at_indices(const AgentTrials& from, const std::vector<std::size_t>& indices) {
   AgentTrials some{from.name, from.type, from.privilege, from.parameters};
   for (const std::size_t i : indices) {
     some.trials.push_back(from.trials[i]);
     some.qos.push_back(from.qos[i]);
+    some.steps_at_m.push_back(from.steps_at_m[i]);
     for (const auto& [key, values] : from.metrics) some.metrics[key].push_back(values[i]);
   }
   return some;
@@ -162,6 +179,8 @@ std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
     const WorldKind kind = conditions[flight.key.condition].kind;
     agent.trials.push_back(flight.key.trial);
     agent.qos.push_back(flight.metrics.number(flight::quality) * qos_scale(kind));
+    agent.steps_at_m.push_back(
+        heights_of(store::decode_trace(results.trace(flight.key)), experiment.conditions.at(flight.key.condition)));
     for (std::size_t i = flight::quality + 1; i < flight::metrics().size(); ++i) {
       const flight::Metric& metric = flight::metrics()[i];
       agent.metrics[std::string(metric.key)].push_back(flight.metrics.number(i) /

@@ -24,6 +24,8 @@ struct AgentTrials {
   std::vector<double> qos{};  ///< mean of the flight, in the condition's unit
   /// All other metrics by their keys, in the units that are shown; NaN: unknown.
   std::map<std::string, std::vector<double>, std::less<>> metrics{};
+  /// How many steps were flown at each height, m; those between two levels of the world count for the nearest.
+  std::vector<std::map<double, std::uint32_t>> steps_at_m{};
 };
 
 /// What the report knows about one condition.

@@ -1,6 +1,6 @@
 // The list of all charts of a report: the page and the SVG export draw from it.
 
-import {boxPlot, energyChart, gainChart, gainsOverview, hasGains, meanHeightChart, performanceProfile} from './charts_statistics.js';
+import {boxPlot, energyChart, gainChart, gainsOverview, hasGains, heightHistogram, meanHeightChart, performanceProfile} from './charts_statistics.js';
 import {cityMap, epsilonCurve, heatMap, heightOverSteps, lossCurve, qValueCurves, qosOverSteps} from './charts_flight.js';
 import {sweptCharts} from './charts_swept.js';
 import {marked, tierNote} from './privilege.js';
@@ -15,6 +15,7 @@ export const statisticsCharts = [
   {id: 'gain', build: gainChart, fits: (view) => view.agents.some((agent) => agent.gain && agent.name !== 'min-height')},
   {id: 'profile', build: performanceProfile, fits: (view) => view.agents.length > 0 && view.trials > 1},
   {id: 'energy', build: energyChart, fits: (view) => view.agents.length > 1},
+  {id: 'heights', build: heightHistogram, fits: (view) => view.agents.length > 0},
 ];
 
 /** Charts of the chosen flight of a condition; `wide` ones are as wide as the page. */

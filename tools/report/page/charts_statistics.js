@@ -124,6 +124,39 @@ export function gainChart(data, condition, context) {
   };
 }
 
+/** How often each agent flew at each height: a histogram per agent, in rows of the same height. */
+export function heightHistogram(data, condition, context) {
+  const agents = condition.views[context.view].agents;
+  const names = agents.map((agent) => agent.name);
+  const heights = [...new Set(agents.flatMap((agent) => agent.heights.height_m))].sort((a, b) => a - b);
+  const width = Math.min(...heights.slice(1).map((height, i) => height - heights[i]), heights.at(-1) - heights[0] || 10);
+  const tallest = 0.8;  // of a row
+  const rows = agents.flatMap((agent, row) => agent.heights.height_m.map((height, i) => {
+    const share = agent.heights.share[i];
+    const top = row + 1 - tallest * share / Math.max(...agent.heights.share);
+    return {...named(data, agent.name), height, from: height - width / 2, to: height + width / 2, bottom: row + 1, top, share};
+  }));
+  const surface = surfaces[context.theme];
+  const colour = {field: 'agent', type: 'nominal', scale: agentScales(data, context.theme, names).colour, legend: null};
+  const y = {type: 'quantitative', scale: {domain: [0, names.length], reverse: true, nice: false}};
+  const labels = JSON.stringify(names.map((name) => marked(data, name)));
+  return {
+    usermeta: {agents: names},
+    height: 32 * names.length,
+    data: {values: rows},
+    mark: {type: 'rect', strokeWidth: 1},
+    encoding: {
+      x: {field: 'from', type: 'quantitative', scale: {zero: false, nice: false, domain: [heights[0] - width / 2, heights.at(-1) + width / 2]}, axis: {title: 'Height (m)', tickCount: 8, grid: false}},
+      x2: {field: 'to'},
+      y: {...y, field: 'bottom', axis: {title: null, ticks: false, domain: false, values: names.map((_, row) => row + 1), labelExpr: `${labels}[datum.value - 1]`, labelBaseline: 'bottom', labelLimit: labelLimit(context)}},
+      y2: {field: 'top'},
+      fill: tierFill(data, colour, surface),
+      stroke: colour,
+      tooltip: [agentTip, {field: 'height', title: 'Height (m)', format: '.1f'}, {field: 'share', title: 'Share of the steps', format: '.1%'}],
+    },
+  };
+}
+
 /** Share of trials whose mean QoS exceeds a threshold. */
 export function performanceProfile(data, condition, context) {
   const view = condition.views[context.view];

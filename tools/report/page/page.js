@@ -10,7 +10,7 @@ import {marked, marksExplained} from './privilege.js';
 import {agentName, claimsList, leftOutList, missingSection, publishedTable, selectionRemark, summaryTable} from './sections.js';
 
 const everything = JSON.parse(document.getElementById('report-data').textContent);
-const titles = {qos: 'Per-trial mean', gain: 'Paired gain over min-height', profile: 'Performance profile', energy: 'Quality against energy'};
+const titles = {qos: 'Per-trial mean', gain: 'Paired gain over min-height', profile: 'Performance profile', energy: 'Quality against energy', heights: 'Heights flown'};
 
 /** What the reader chose; kept in the address (#theme=dark&trials=selected&condition=1&agent=dqn&agents=dqn,planner&conditions=0,1) so that it can be shared. */
 const state = readState();
@@ -144,6 +144,7 @@ function explain(id) {
     gain: 'Difference to min-height on the same worlds; the bar is the 95 % bootstrap interval of the mean.',
     profile: 'The share of trials whose mean exceeds a threshold: higher is better everywhere, crossing lines mean that no agent is best for all.',
     energy: 'Mean of all flights. No UAV without privileged knowledge is above and left of the line. Energy: rotary-wing power at constant speed over ground, plus climbing (docs/learners.md).',
+    heights: 'How many of the steps of all flights were flown at each height; the most frequent height of each agent fills its row. It shows what agents make of channels that change abruptly with height, as those of TR 36.777 do at 100 m (docs/fidelity.md).',
   };
   return h('p', {class: 'soft'}, texts[id]);
 }

@@ -71,6 +71,20 @@ TEST_CASE("agents foresee the strongest cell, which need not be the one that ser
   CHECK(warnings(over("{}", "", "\"planner\"")).empty());
 }
 
+TEST_CASE("height-filter warns of generated worlds that its prior was not fitted to, unless it was given another one") {
+  const std::string filter = "\"height-filter\"";
+  CHECK(warnings(over(R"({"bs_density_per_km2": [1, 5]})", "", filter)).empty());
+  const auto urban = warnings(over(R"({"preset": "3gpp-uma"})", "", filter));
+  REQUIRE(urban.size() == 1);
+  CHECK(urban[0].agent == "height-filter");
+  CHECK_THAT(urban[0].text, Contains("agent 'height-filter': its prior was not fitted to condition") &&
+                                Contains("propagation \"uma-av\" instead of \"power-law\"") &&
+                                Contains("expect less of it there"));
+  CHECK(warnings(over(R"({"preset": "3gpp-uma"})", "", R"({"type": "height-filter", "se_mean": 0.3})")).empty());
+  const auto both = warnings(over(R"({"preset": "3gpp-uma"})", "", filter + ", \"pretrained\""));
+  CHECK(both.size() == 2);
+}
+
 TEST_CASE("the same warning about several conditions is one") {
   const auto sweep = warnings(over(R"({"bs_density_per_km2": [6, 7, 8, 9, 10, 11, 12, 13, 14, 15]})"));
   REQUIRE(sweep.size() == 1);
@@ -96,6 +110,7 @@ TEST_CASE("measured flights: size, and costs that they cannot charge") {
   const auto small = warnings(over(world));
   REQUIRE(small.size() == 1);
   CHECK_THAT(small[0].text, Contains("heights 3 instead of 8 to 16, steps 12 instead of 120 to 200"));
+  CHECK(warnings(over(world, "", "\"height-filter\"")).empty());
 }
 
 TEST_CASE("a model file counts by its content, wherever it lies; a report does not need it") {

@@ -33,8 +33,22 @@ double slant_distance_m(const AerialLink& link) {
   return std::max(std::sqrt(link.distance_m * link.distance_m + rise_m * rise_m), 1.0);
 }
 
+AerialLink at_height(AerialLink link, double height_m) {
+  link.height_m = height_m;
+  return link;
+}
+
+/// A quantity above a height at which the tables jump: `at_jump` of the link at that height, `above` by the table.
+template <class AtJump>
+double blended(const AerialLink& link, double jump_m, AtJump&& at_jump, double above) {
+  const double risen_m = link.height_m - jump_m;
+  if (risen_m >= link.blend_m) return above;
+  const double at = at_jump(at_height(link, jump_m));
+  return at + risen_m / link.blend_m * (above - at);
+}
+
+/// Table B-1 up to certain_above_m.
 double aerial_probability(const AerialLink& link) {
-  if (link.height_m > facts(link.scenario).certain_above_m) return 1.0;
   switch (link.scenario) {
     case AerialScenario::uma:
       return aerial_los_probability<AerialScenario::uma>(link.distance_m, link.height_m);
@@ -182,36 +196,8 @@ double first_reached_m(const AerialLink& link, double low_m, double high_m, doub
   return first_reached_m<AerialScenario::rma>(link.distance_m, low_m, high_m, level);
 }
 
-}  // namespace
-
-double line_of_sight_probability(const AerialLink& link) {
-  return is_aerial(link) ? aerial_probability(link) : terrestrial_probability(link);
-}
-
-double lowest_height_m(const AerialLink& link, double level) {
-  const auto reached = [&](double height_m) {
-    return line_of_sight_probability({link.scenario, link.carrier_ghz, link.distance_m, height_m}) >= level;
-  };
-  // The probability is continuous up to each of these heights, and jumps above. Below the first, for the heights of
-  // base stations, it does not depend on the height.
-  const AerialScenarioFacts limits = facts(link.scenario);
-  double low_m = limits.base_station_height_m;
-  if (low_m <= limits.aerial_above_m) {
-    if (reached(low_m)) return low_m;
-    low_m = std::nextafter(limits.aerial_above_m, std::numeric_limits<double>::infinity());
-  }
-  if (reached(low_m)) return low_m;
-  if (reached(limits.certain_above_m)) return first_reached_m(link, low_m, limits.certain_above_m, level);
-  if (limits.certain_above_m == aerial_height_max_m) return std::numeric_limits<double>::infinity();
-  return std::nextafter(limits.certain_above_m, std::numeric_limits<double>::infinity());
-}
-
-double path_loss_db(const AerialLink& link, bool line_of_sight) {
-  if (is_aerial(link)) return aerial_db(link, line_of_sight);
-  return line_of_sight ? terrestrial_los_db(link) : terrestrial_nlos_db(link);
-}
-
-double shadowing_deviation_db(const AerialLink& link, bool line_of_sight) {
+/// Table B-3, and at low heights Table 7.4.1-1.
+double table_deviation_db(const AerialLink& link, bool line_of_sight) {
   const bool aerial = is_aerial(link);
   switch (link.scenario) {
     case AerialScenario::uma:
@@ -226,6 +212,61 @@ double shadowing_deviation_db(const AerialLink& link, bool line_of_sight) {
   if (!line_of_sight) return aerial ? 6.0 : 8.0;
   if (aerial) return aerial_shadowing_los_db<AerialScenario::rma>(link.height_m);
   return link.distance_m <= breakpoint_m(link) ? 4.0 : 6.0;
+}
+
+/// The lowest height from `low_m` on at which the probability, which has no jumps, is at least `level`.
+double first_without_jumps_m(const AerialLink& link, double low_m, double level) {
+  const auto reached = [&](double height_m) { return line_of_sight_probability(at_height(link, height_m)) >= level; };
+  if (reached(low_m)) return low_m;
+  double high_m = aerial_height_max_m;
+  if (!reached(high_m)) return std::numeric_limits<double>::infinity();
+  while (high_m - low_m > lowest_height_tolerance_m) {
+    const double middle_m = 0.5 * (low_m + high_m);
+    (reached(middle_m) ? high_m : low_m) = middle_m;
+  }
+  return high_m;
+}
+
+}  // namespace
+
+double line_of_sight_probability(const AerialLink& link) {
+  const AerialScenarioFacts limits = facts(link.scenario);
+  if (link.height_m > limits.certain_above_m) return blended(link, limits.certain_above_m, aerial_probability, 1.0);
+  if (!is_aerial(link)) return terrestrial_probability(link);
+  return blended(link, limits.aerial_above_m, terrestrial_probability, aerial_probability(link));
+}
+
+double lowest_height_m(const AerialLink& link, double level) {
+  const auto reached = [&](double height_m) {
+    return line_of_sight_probability({link.scenario, link.carrier_ghz, link.distance_m, height_m}) >= level;
+  };
+  // The probability is continuous up to each of these heights, and jumps above. Below the first, for the heights of
+  // base stations, it does not depend on the height.
+  const AerialScenarioFacts limits = facts(link.scenario);
+  double low_m = limits.base_station_height_m;
+  if (link.blend_m > 0.0) return first_without_jumps_m(link, low_m, level);
+  if (low_m <= limits.aerial_above_m) {
+    if (reached(low_m)) return low_m;
+    low_m = std::nextafter(limits.aerial_above_m, std::numeric_limits<double>::infinity());
+  }
+  if (reached(low_m)) return low_m;
+  if (reached(limits.certain_above_m)) return first_reached_m(link, low_m, limits.certain_above_m, level);
+  if (limits.certain_above_m == aerial_height_max_m) return std::numeric_limits<double>::infinity();
+  return std::nextafter(limits.certain_above_m, std::numeric_limits<double>::infinity());
+}
+
+double path_loss_db(const AerialLink& link, bool line_of_sight) {
+  const auto terrestrial_db = [line_of_sight](const AerialLink& low) {
+    return line_of_sight ? terrestrial_los_db(low) : terrestrial_nlos_db(low);
+  };
+  if (!is_aerial(link)) return terrestrial_db(link);
+  return blended(link, facts(link.scenario).aerial_above_m, terrestrial_db, aerial_db(link, line_of_sight));
+}
+
+double shadowing_deviation_db(const AerialLink& link, bool line_of_sight) {
+  const auto table_db = [line_of_sight](const AerialLink& at) { return table_deviation_db(at, line_of_sight); };
+  if (!is_aerial(link)) return table_db(link);
+  return blended(link, facts(link.scenario).aerial_above_m, table_db, table_db(link));
 }
 
 }  // namespace aloft::radio

@@ -27,6 +27,7 @@ struct AerialScenarioFacts {
 inline constexpr double aerial_carrier_min_ghz = 0.7;
 inline constexpr double aerial_height_min_m = 1.5;
 inline constexpr double aerial_height_max_m = 300.0;
+inline constexpr double aerial_blend_max_m = 20.0;
 
 [[nodiscard]] constexpr AerialScenarioFacts facts(AerialScenario scenario) {
   switch (scenario) {
@@ -55,11 +56,16 @@ inline constexpr double aerial_height_max_m = 300.0;
 /// A UAV at `height_m` and a base station of the scenario's height, `distance_m` apart on the ground. Valid for heights
 /// from aerial_height_min_m to aerial_height_max_m, carriers from aerial_carrier_min_ghz to carrier_max_ghz and
 /// distances from 0; slant distances below 1 m count as 1 m.
+///
+/// The tables jump above aerial_above_m and above certain_above_m. With blend_m they do not: over so many metres above
+/// such a height h, a quantity is (1 - w) of that at h and w of that of the table, w rising from 0 to 1. Probabilities
+/// and, above aerial_above_m, path losses and deviations in dB.
 struct AerialLink {
   AerialScenario scenario = AerialScenario::uma;
   double carrier_ghz = 2.0;
   double distance_m = 0.0;
   double height_m = 0.0;
+  double blend_m = 0.0;  ///< to aerial_blend_max_m, so that the two do not meet
 };
 
 /// Probability of line of sight: TR 36.777 Table B-1, at low heights TR 38.901 Table 7.4.2-1.

@@ -121,3 +121,51 @@ TEST_CASE("climbing never loses line of sight: the probability grows with the he
   CHECK(lowest_height_m({umi, 2.0, 2000.0, 0.0}, 0.9) == std::numeric_limits<double>::infinity());
   CHECK(lowest_height_m({rma, 2.0, 50.0, 0.0}, 0.5) == 35.0);
 }
+
+TEST_CASE("blend_m softens the steps of the tables above their heights, and changes nothing elsewhere") {
+  struct Jump {
+    AerialScenario scenario;
+    double height_m;
+  };
+  for (const Jump& jump : {Jump{uma, 22.5}, Jump{umi, 22.5}, Jump{rma, 10.0}, Jump{uma, 100.0}, Jump{rma, 40.0}}) {
+    const auto at = [&](double above_m, double blend_m) {
+      return AerialLink{jump.scenario, 2.0, 1000.0, jump.height_m + above_m, blend_m};
+    };
+    INFO(static_cast<int>(jump.scenario) << ", " << jump.height_m << " m");
+    // A quarter of the way between the value below the step and that of the table.
+    const double low = line_of_sight_probability(at(0.0, 0.0));
+    const double high = line_of_sight_probability(at(5.0, 0.0));
+    CHECK(high > low + 0.01);
+    CHECK(line_of_sight_probability(at(5.0, 20.0)) == Approx(low + 0.25 * (high - low)).epsilon(1e-12));
+    CHECK(line_of_sight_probability(at(1e-6, 20.0)) == Approx(low).margin(1e-6));
+    for (const double above_m : {-1.0, 0.0, 20.0, 30.0})
+      for (const bool line_of_sight : {true, false}) {
+        CHECK(line_of_sight_probability(at(above_m, 20.0)) == line_of_sight_probability(at(above_m, 0.0)));
+        CHECK(path_loss_db(at(above_m, 20.0), line_of_sight) == path_loss_db(at(above_m, 0.0), line_of_sight));
+        CHECK(shadowing_deviation_db(at(above_m, 20.0), line_of_sight) ==
+              shadowing_deviation_db(at(above_m, 0.0), line_of_sight));
+      }
+  }
+  // Urban macro, 300 m away and 2.5 m above the step: half way from 103.7671 dB (test point) to the table's
+  // -17.5 + (46 - 7 log 25) log 300 + 20 log(80 pi / 3) = 110.6699 dB at 25 m.
+  CHECK(path_loss_db({uma, 2.0, 300.0, 25.0, 5.0}, false) == Approx(0.5 * (103.7671 + 110.6699)).margin(1e-3));
+  CHECK(shadowing_deviation_db({umi, 2.0, 300.0, 25.0, 5.0}, false) == Approx(7.91));  // 7.82 and 8
+}
+
+TEST_CASE("with blend_m, too, climbing never loses line of sight, and the inverse fits") {
+  for (const AerialScenario scenario : {uma, umi, rma})
+    for (const double blend_m : {0.01, 5.0, 20.0})
+      for (double distance_m = 0.0; distance_m <= 4000.0; distance_m += 500.0) {
+        double before = 0.0;
+        for (double height_m = facts(scenario).base_station_height_m; height_m <= 300.0; height_m += 0.5) {
+          const AerialLink link{scenario, 2.0, distance_m, height_m, blend_m};
+          const double probability = line_of_sight_probability(link);
+          INFO("height " << height_m << " m, distance " << distance_m << " m, blend " << blend_m << " m");
+          CHECK(probability >= before);
+          CHECK(lowest_height_m(link, probability) <= height_m + 1.1e-6);
+          CHECK(line_of_sight_probability({scenario, 2.0, distance_m, lowest_height_m(link, probability), blend_m}) >=
+                probability);
+          before = probability;
+        }
+      }
+}

@@ -66,7 +66,18 @@ Json network(std::string_view model, double site_distance_m, const Json& changes
   return all;
 }
 
+/// The same number of sites per km2 at random places.
+Json poisson(Json network) {
+  network["deployment"] = "poisson";
+  return network;
+}
+
 const std::vector<Preset>& presets() {
+  static const Json urban_macro = network("uma-av", 500.0, {{"tx_power_w", watts(46.0)}});
+  static const Json urban_micro = network("umi-av", 200.0, {{"tx_power_w", watts(41.0)}, {"window_m", 2000.0}});
+  static const Json rural_macro =
+      network("rma-av", 1732.0,
+              {{"tx_power_w", watts(46.0)}, {"window_m", 8000.0}, {"carrier_ghz", 0.7}, {"bs_downtilt_deg", 6.0}});
   static const std::vector<Preset> all{
       {"published", Json::object()},
       {"paper-text",
@@ -82,11 +93,12 @@ const std::vector<Preset>& presets() {
         {"building_height_mean_m", 25.0663},  // of a Rayleigh distribution with scale 20 m
         {"fading", "correlated"},
         {"fading_correlation", 1.0}}},
-      {"3gpp-uma", network("uma-av", 500.0, {{"tx_power_w", watts(46.0)}})},
-      {"3gpp-umi", network("umi-av", 200.0, {{"tx_power_w", watts(41.0)}, {"window_m", 2000.0}})},
-      {"3gpp-rma",
-       network("rma-av", 1732.0,
-               {{"tx_power_w", watts(46.0)}, {"window_m", 8000.0}, {"carrier_ghz", 0.7}, {"bs_downtilt_deg", 6.0}})},
+      {"3gpp-uma", urban_macro},
+      {"3gpp-umi", urban_micro},
+      {"3gpp-rma", rural_macro},
+      {"3gpp-uma-poisson", poisson(urban_macro)},
+      {"3gpp-umi-poisson", poisson(urban_micro)},
+      {"3gpp-rma-poisson", poisson(rural_macro)},
   };
   return all;
 }
@@ -125,7 +137,9 @@ std::vector<ParameterSpec> table_with(std::span<const LinkModelType> models, boo
   append(world::route_parameters());
   append(height_parameters());
   all.push_back(propagation_parameter());
-  for (const LinkModelType& model : models) append(model.parameters);
+  for (const LinkModelType& model : models)
+    for (const ParameterSpec& spec : model.parameters)  // models can share one
+      if (std::ranges::find(all, spec.name, &ParameterSpec::name) == all.end()) all.push_back(spec);
   append(radio_parameters());
   all.push_back(serving_parameter());
   if (handover) append(a3_parameters());

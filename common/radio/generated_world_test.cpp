@@ -51,7 +51,8 @@ TEST_CASE("a preset changes the defaults, and given keys override it") {
 }
 
 TEST_CASE("resolving a resolved world gives the same world") {
-  for (const char* preset : {"published", "paper-text", "geometric", "3gpp-uma", "3gpp-umi", "3gpp-rma"})
+  for (const char* preset : {"published", "paper-text", "geometric", "3gpp-uma", "3gpp-umi", "3gpp-rma",
+                             "3gpp-uma-poisson", "3gpp-umi-poisson", "3gpp-rma-poisson"})
     for (const json& given :
          {json{{"height_step_m", 20}, {"candidates", 6}, {"height_max_m", 240}}, json{{"propagation", "power-law"}},
           json{{"spectral_efficiency_max", 0}}, json{{"deployment", "poisson"}}, json{{"serving", "a3"}}}) {
@@ -132,6 +133,20 @@ TEST_CASE("worlds have the parameters of handover only if networks hand the UAV 
                     other->measurement_error_db, other->preparation_s, other->execution_s, other->minimum_stay_s,
                     other->qout_db, other->qin_db, other->t310_s, other->reestablishment_s} ==
         std::vector{3.0, 0.01, 4.0, 0.5, 0.02, 0.03, 0.06, 0.07, -9.0, -5.0, 0.08, 0.09});
+}
+
+TEST_CASE("the Poisson presets of 3GPP are the hexagonal ones with sites at random places") {
+  for (const std::string preset : {"3gpp-uma", "3gpp-umi", "3gpp-rma"}) {
+    json hexagonal = radio::resolve_generated_world({{"preset", preset}}, "world").to_json();
+    json random = radio::resolve_generated_world({{"preset", preset + "-poisson"}}, "world").to_json();
+    CHECK(hexagonal["deployment"] == "hexagonal");
+    CHECK(random.value("deployment", "poisson") == "poisson");
+    for (json* world : {&hexagonal, &random}) {
+      world->erase("deployment");
+      world->erase("preset");
+    }
+    CHECK(random == hexagonal);
+  }
 }
 
 TEST_CASE("the route's largest offset follows the height step unless it is given") {

@@ -76,6 +76,7 @@ class Aerial final : public LinkModel {
  public:
   Aerial(const Parameters& world, const world::City& city, std::uint64_t seed, std::uint32_t trial)
       : carrier_ghz_(world.number("carrier_ghz")),
+        blend_m_(world.number("blend_m")),
         carrier_(carrier_loss(carrier_ghz_)),
         cells_per_site_(world::cells_per_site(world)),
         visibility_(seed, trial, "line of sight", (city.base_stations.size() + cells_per_site_ - 1) / cells_per_site_,
@@ -87,7 +88,8 @@ class Aerial final : public LinkModel {
 
   /// Most often the probability decides without the height at which the field equals it.
   [[nodiscard]] bool line_of_sight(const LinkPlace& link, double height_m) const override {
-    constexpr double clearly = 1e-4;  // more than the probability grows over lowest_height_tolerance_m
+    // More than the probability grows over lowest_height_tolerance_m.
+    const double clearly = 1e-4 + (blend_m_ > 0.0 ? lowest_height_tolerance_m / blend_m_ : 0.0);
     const double probability = line_of_sight_probability(at(link, height_m));
     if (probability == 1.0) return true;
     const double level = normal_cdf(visibility_.at(link.uav, link.station / cells_per_site_));
@@ -103,14 +105,14 @@ class Aerial final : public LinkModel {
     else
       run_vectorised<gain_row<scenario, false>>(&carrier_, link.distance_m, base_m, height_m.data(), height_m.size(),
                                                 gain);
-    if constexpr (always_aerial) return;
+    if (always_aerial()) return;
     for (std::size_t i = 0; i < height_m.size(); ++i)
-      if (height_m[i] <= aerial_above_m) gain[i] = low_gain(at(link, height_m[i]), line_of_sight);
+      if (height_m[i] <= table_above_m()) gain[i] = low_gain(at(link, height_m[i]), line_of_sight);
   }
 
   void mean_gains(world::Position uav, std::span<const double> distance_m, bool line_of_sight, double height_m,
                   double* gain) const override {
-    if (height_m <= aerial_above_m) return LinkModel::mean_gains(uav, distance_m, line_of_sight, height_m, gain);
+    if (height_m <= table_above_m()) return LinkModel::mean_gains(uav, distance_m, line_of_sight, height_m, gain);
     if (line_of_sight)
       run_vectorised<station_gains<scenario, true>>(&carrier_, distance_m.data(), base_m, height_m, distance_m.size(),
                                                     gain);
@@ -136,7 +138,7 @@ class Aerial final : public LinkModel {
   /// The standard deviation falls with the height, but for the step of urban micro cells without line of sight.
   [[nodiscard]] Shadowing shadowing(bool line_of_sight) const override {
     const auto deviation_db = [&](double height_m) {
-      return shadowing_deviation_db({scenario, carrier_ghz_, 0.0, height_m}, line_of_sight);
+      return shadowing_deviation_db({scenario, carrier_ghz_, 0.0, height_m, blend_m_}, line_of_sight);
     };
     return {std::max(deviation_db(base_m), deviation_db(aerial_height_max_m)),
             line_of_sight ? correlation(scenario).shadowing_los_m : correlation(scenario).shadowing_nlos_m};
@@ -150,24 +152,28 @@ class Aerial final : public LinkModel {
       const double above_db = shadowing_deviation_db(at(link, aerial_height_max_m), false);
       std::fill_n(deviation_db, height_m.size(), above_db);
     }
-    if constexpr (always_aerial) return;
+    if (always_aerial()) return;
     for (std::size_t i = 0; i < height_m.size(); ++i)
-      if (height_m[i] <= aerial_above_m) deviation_db[i] = shadowing_deviation_db(at(link, height_m[i]), line_of_sight);
+      if (height_m[i] <= table_above_m())
+        deviation_db[i] = shadowing_deviation_db(at(link, height_m[i]), line_of_sight);
   }
 
  private:
   static constexpr double base_m = facts(scenario).base_station_height_m;
-  static constexpr double aerial_above_m = facts(scenario).aerial_above_m;
-  static constexpr bool always_aerial = base_m > aerial_above_m;  // no UAV flies below the base stations
 
+  /// Above this height path loss and deviation are those of TR 36.777 alone.
+  [[nodiscard]] double table_above_m() const noexcept { return facts(scenario).aerial_above_m + blend_m_; }
+  /// No UAV flies below the base stations.
+  [[nodiscard]] bool always_aerial() const noexcept { return base_m > table_above_m(); }
   [[nodiscard]] AerialLink at(const LinkPlace& link, double height_m) const noexcept {
-    return {scenario, carrier_ghz_, link.distance_m, height_m};
+    return {scenario, carrier_ghz_, link.distance_m, height_m, blend_m_};
   }
   [[nodiscard]] double low_gain(const AerialLink& link, bool line_of_sight) const {
     return power_of_ten(0.1 * (carrier_.free_space_at_1_m_db - path_loss_db(link, line_of_sight)));
   }
 
   double carrier_ghz_;
+  double blend_m_;
   CarrierLoss carrier_;
   std::uint32_t cells_per_site_;
   GaussianFields visibility_;
@@ -207,11 +213,22 @@ void check_world(AerialScenario scenario, const std::string& name, const Paramet
                        farthest_m, name, limits.distance_max_m));
 }
 
+/// Implied, because there were worlds with these models before it.
+ParameterSpec blend_parameter() {
+  ParameterSpec spec =
+      number_parameter("blend_m", 0.0, 0.0, aerial_blend_max_m,
+                       "Metres of height over which the steps of the tables are softened, above 22.5 and 100 m "
+                       "(`rma-av`: 10 and 40 m). 0: steps, as in the standard.");
+  spec.default_is_implied = true;
+  return spec;
+}
+
 template <AerialScenario scenario>
 bool register_aerial(const std::string& name, const std::string& description) {
   return register_link_model(
       {.name = name,
        .description = description,
+       .parameters = {blend_parameter()},
        .defaults = {{"base_station_height_m", facts(scenario).base_station_height_m}, {"carrier_ghz", 2.0}},
        .check = [name](const Parameters& world, std::string_view where) { check_world(scenario, name, world, where); },
        .make = [](const Parameters& world, const world::City& city, std::uint64_t seed,

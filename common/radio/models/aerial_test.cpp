@@ -57,6 +57,7 @@ TEST_CASE("the models of TR 36.777 are channel models") {
   for (const auto& model : radio::aerial_scenarios) {
     radio::check_link_model(model.word);
     radio::check_link_model(model.word, {{"carrier_ghz", 28}});
+    radio::check_link_model(model.word, {{"blend_m", 20}});
     radio::check_link_model(model.word, {{"cells_per_site", "three"}, {"bs_antenna", "3gpp"}});
   }
 }
@@ -84,6 +85,13 @@ TEST_CASE("gains of TR 36.777 are its path loss, relative to free space at 1 m")
       }
     }
   }
+}
+
+TEST_CASE("blend_m is a parameter of the aerial models alone, and no step changes no id") {
+  CHECK_FALSE(world_of("uma-av").to_json().contains("blend_m"));
+  CHECK(world_of("uma-av", {{"blend_m", 5}}).to_json().at("blend_m") == 5);
+  CHECK_THAT(error_of({{"blend_m", 5}}), Contains("world.blend_m: unknown key"));
+  CHECK_THAT(error_of({{"propagation", "uma-av"}, {"blend_m", 21}}), Contains("world.blend_m") && Contains("20"));
 }
 
 TEST_CASE("the share of links with line of sight is the probability of TR 36.777") {

@@ -23,7 +23,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr zip_int64_t most_members = 64;
-constexpr std::size_t most_bytes = std::size_t{512} << 20U;
 constexpr std::string_view npy_magic = "\x93NUMPY";
 
 struct CloseArchive {
@@ -67,8 +66,8 @@ std::unique_ptr<zip_t, CloseArchive> open_archive(std::string_view bytes, const 
   return std::unique_ptr<zip_t, CloseArchive>(archive);
 }
 
-/// The content of a member. What the archive says of its size is not believed.
-std::string read_member(zip_t* archive, zip_uint64_t index, const std::string& name) {
+/// The content of a member, at most `room` bytes. What the archive says of its size is not believed.
+std::string read_member(zip_t* archive, zip_uint64_t index, std::size_t room, const std::string& name) {
   const std::unique_ptr<zip_file_t, CloseMember> member(zip_fopen_index(archive, index, 0));
   if (!member) throw InputError("{}: cannot be read ({}); write the file again", name, zip_strerror(archive));
   std::string bytes;
@@ -78,8 +77,8 @@ std::string read_member(zip_t* archive, zip_uint64_t index, const std::string& n
     if (count < 0) throw InputError("{}: is damaged ({}); write the file again", name, zip_file_strerror(member.get()));
     if (count == 0) return bytes;
     bytes.append(part.data(), static_cast<std::size_t>(count));
-    if (bytes.size() > most_bytes)
-      throw InputError("{}: is larger than {} MiB; use float32, or a coarser map", name, most_bytes >> 20U);
+    if (bytes.size() > room)
+      throw InputError("{}: with it the arrays of the file are too large; use float32, or a coarser map", name);
   }
 }
 
@@ -124,9 +123,9 @@ void NpyArray::read_shape(std::string_view tuple) {
   for (std::size_t at = tuple.find_first_of(digits); at != std::string_view::npos;) {
     const std::size_t end = std::min(tuple.find_first_not_of(digits, at), tuple.size());
     const auto extent = number_in<std::uint64_t>(tuple.substr(at, end - at));
-    if (!extent || *extent == 0 || *extent > most_bytes / size_)
+    if (!extent || *extent == 0 || *extent > most_array_bytes / size_)
       throw InputError("{}: has the shape {}); all extents must be 1 at least, and their product {} at most", name_,
-                       excerpt(tuple), most_bytes);
+                       excerpt(tuple), most_array_bytes);
     shape_.push_back(*extent);
     size_ *= *extent;
     at = tuple.find_first_of(digits, end);
@@ -149,14 +148,16 @@ double NpyArray::operator[](std::size_t index) const {
   return width_ == 4 ? number_at<std::int32_t>(bytes) : number_at<std::int64_t>(bytes);
 }
 
-NpzFile::NpzFile(std::string_view bytes, std::string name) : name_(std::move(name)) {
+NpzFile::NpzFile(std::string_view bytes, std::string name, std::size_t most_bytes) : name_(std::move(name)) {
   const auto archive = open_archive(bytes, name_);
   const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
   if (count < 1) throw InputError("{}: this is no NPZ file (it is empty); write one with numpy.savez", name_);
   if (count > most_members) throw InputError("{}: has {} members; at most {} are possible", name_, count, most_members);
+  std::size_t room = most_bytes;  // of all members together: a small file can expand to any size
   for (zip_uint64_t i = 0; i < static_cast<zip_uint64_t>(count); ++i) {
     std::string member = zip_get_name(archive.get(), i, 0);
-    std::string content = read_member(archive.get(), i, fmt::format("{}: {}", name_, excerpt(member)));
+    std::string content = read_member(archive.get(), i, room, fmt::format("{}: {}", name_, excerpt(member)));
+    room -= content.size();
     if (member.ends_with(".npy")) member.resize(member.size() - 4);
     members_.push_back({std::move(member), std::move(content)});
   }

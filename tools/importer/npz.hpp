@@ -7,6 +7,9 @@
 
 namespace aloft::importer {
 
+/// Of all arrays of a file together.
+inline constexpr std::size_t most_array_bytes = std::size_t{512} << 20U;
+
 /// An array of NumPy: real or whole numbers, of which any is a double.
 class NpyArray {
  public:
@@ -35,11 +38,11 @@ class NpyArray {
 };
 
 /// The arrays of an NPZ file (numpy.savez, numpy.savez_compressed): their names are those of the file's members without
-/// ".npy". InputError "name: reason" if it is no ZIP archive, has more than 64 members or one above 512 MiB, or if a
-/// member is damaged.
+/// ".npy". InputError "name: reason" if it is no ZIP archive, has more than 64 members, expands to more than
+/// `most_bytes`, or if a member is damaged.
 class NpzFile {
  public:
-  NpzFile(std::string_view bytes, std::string name);
+  NpzFile(std::string_view bytes, std::string name, std::size_t most_bytes = most_array_bytes);
 
   [[nodiscard]] bool has(std::string_view array) const;
   /// InputError if it is not there.

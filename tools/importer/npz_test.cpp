@@ -103,6 +103,14 @@ TEST_CASE("files that are no NPZ files are refused") {
   CHECK_THAT(npz_error(npz(many)), Contains("65 members; at most 64"));
 }
 
+TEST_CASE("the arrays of a file may take no more than their limit together") {
+  const std::string array = npy("<f8", "(2,)", two_doubles);
+  const std::string file = npz({{"x.npy", array}, {"y.npy", array}});
+  CHECK(NpzFile(file, "map.npz", 2 * array.size()).has("y"));
+  CHECK_THROWS_WITH(NpzFile(file, "map.npz", 2 * array.size() - 1),
+                    Contains("map.npz: y.npy: with it") && Contains("too large"));
+}
+
 TEST_CASE("the sample, written by numpy.savez_compressed, is read") {
   const NpzFile sample(read_file(aloft::test::source_dir() / "data/samples/map_sample.npz"), "sample");
   CHECK(sample.array("power_dbm").shape() == std::vector<std::size_t>{3, 4, 6, 11});

@@ -22,7 +22,7 @@ function start(...given) {
   const address = new Promise((resolve) => {
     const look = (text) => {
       printed += text;
-      const found = /http:[^\s]+\/(?=\s)/.exec(printed);
+      const found = /http:\/\/[0-9.:]+\/(?=\s|status)/.exec(printed);
       if (found) resolve(found[0]);
     };
     child.stdout.on('data', look);
@@ -31,11 +31,15 @@ function start(...given) {
   return {child, address};
 }
 
-/** One page: both tabs at once. Returns how to close it. */
+/** One page: both tabs at once. Closing it tells whether it has been shown a flight. */
 function open(address) {
-  const requests = ['events/run', 'events/flight?worker=w0'].map((path) => get(address + path, {agent: false}, (answer) => { answer.resume(); }));
+  let shown = false;
+  const requests = ['events/run', 'events/flight?worker=w0'].map((path) => get(address + path, {agent: false}, (answer) => {
+    answer.on('data', (text) => { shown ||= String(text).includes('"flight":{'); });
+    answer.on('error', () => {});
+  }));
   for (const request of requests) request.on('error', () => {});
-  return () => requests.forEach((request) => request.destroy());
+  return () => { requests.forEach((request) => request.destroy()); return shown; };
 }
 
 const experiment = join(scratch, 'experiment.json');
@@ -60,7 +64,7 @@ try {
       const begun = performance.now();
       await wait(turn_ms);
       measured[count].push((await flights() - before) / (performance.now() - begun) * 1000);
-      close.forEach((one) => one());
+      if (!close.map((one) => one()).every(Boolean)) throw new Error('a page was shown no flight');
     }
   const sum = (values) => values.reduce((total, value) => total + value, 0);
   const ratios = measured[0].map((without, i) => measured[pages][i] / without).sort((a, b) => a - b);

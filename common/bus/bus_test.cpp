@@ -163,6 +163,31 @@ TEST_CASE("many keys: none is lost, whatever the middleware's default limit of t
   for (const auto& [stream, step] : seen) CHECK(step == stream + 1);
 }
 
+TEST_CASE("who looks on finds all that came between two looks, and the writer waits for no acknowledgement") {
+  const bus::Participant agent(place("agent"));
+  const bus::Participant viewer(place("viewer"));
+  bus::Writer<wire::HeightCommand> commands(agent);
+  bus::Reader<wire::HeightCommand> looking_on(viewer, {.looks_on = true});
+  bus::Reader<wire::HeightCommand> asked(viewer);
+  REQUIRE(eventually([&] { return commands.matched() == 2 && looking_on.matched() == 1 && asked.matched() == 1; }));
+  constexpr std::uint32_t steps = 200;
+  for (std::uint32_t step = 1; step <= steps; ++step) commands.write(command(3, step));
+  REQUIRE(commands.wait_acknowledged(limit));  // by the other reader: everything has been sent
+  std::uint32_t last = 0;
+  std::size_t seen = 0;
+  CHECK(eventually([&] {
+    looking_on.drain([&](const wire::HeightCommand& message) {
+      last = message.step();
+      ++seen;
+    });
+    return last == steps;
+  }));
+  CHECK(seen == steps);
+  std::size_t kept = 0;
+  asked.drain([&](const wire::HeightCommand&) { ++kept; });
+  CHECK(kept <= 8);
+}
+
 TEST_CASE("more keys than the table of topics allows are refused, not lost silently") {
   const bus::Participant here(place("here"));
   bus::Writer<wire::HeightCommand> writer(here);

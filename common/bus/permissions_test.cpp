@@ -1,4 +1,5 @@
 // What a role may do.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "common/bus/topics.hpp"
@@ -31,6 +32,14 @@ TEST_CASE("every topic names the roles that write and read it", "[permissions]")
     CHECK(role_from_text(to_text(role)) == role);
   }
   CHECK_THROWS_WITH(role_from_text("pilot"), Contains("'pilot'") && Contains("learning-agent"));
+}
+
+TEST_CASE("an observer reads how runs go and what is flown, but not the future, and writes nothing", "[permissions]") {
+  security::TopicRights rights = topic_rights(Role::observer);
+  std::ranges::sort(rights.reads);
+  CHECK(rights.writes.empty());
+  CHECK(rights.reads == decltype(rights.reads){"ChannelReport", "CollectorStatus", "HeightCommand", "RunControl",
+                                               "RunStatus", "WorkerStatus"});
 }
 
 TEST_CASE("the permissions of a role are its rights in the table of topics", "[permissions]") {

@@ -288,6 +288,41 @@ TEST_CASE("a process with an operator's keys can order a swap, and nothing else"
   CHECK(run.goes_on());
 }
 
+TEST_CASE("a process with an observer's keys sees flights in the air, and nothing else of a worker") {
+  const SecuredRun run;
+  bus::BusOptions options = run.as(Role::observer, run.keys());
+  options.worker = "w0";
+  {
+    const bus::Participant observer(options);
+    const bus::ReaderOptions looking_on{.looks_on = true};
+    bus::Reader<wire::ChannelReport> reports(observer, looking_on);
+    bus::Reader<wire::HeightCommand> commands(observer, looking_on);
+    wire::ChannelReport report;
+    wire::HeightCommand command;
+    CHECK(within(10s, [&] { return reports.take(report); }));
+    CHECK(within(10s, [&] { return commands.take(command); }));
+    CHECK_THROWS_WITH(bus::Writer<wire::HeightCommand>(observer), Contains("HeightCommand"));
+    CHECK_THROWS_WITH(bus::Writer<wire::ChannelReport>(observer), Contains("ChannelReport"));
+    CHECK_THROWS_WITH(bus::Reader<wire::HeightProfile>(observer), Contains("HeightProfile"));
+    CHECK_THROWS_WITH(bus::Reader<wire::SiteMap>(observer), Contains("SiteMap"));
+  }
+  {
+    INFO("keys from before these rights");
+    const fs::path old = run.scratch("old");
+    security::TopicRights rights = bus::topic_rights(Role::observer);
+    std::erase(rights.reads, "ChannelReport");
+    security::issue_keys(run.keys(), {.role = Role::observer, .name = "old"}, rights, old);
+    options.secure = old;
+    CHECK_THROWS_WITH(bus::Reader<wire::ChannelReport>(bus::Participant(options)),
+                      Contains("ChannelReport") && Contains("do the permissions of the role 'observer'"));
+    const Finished refused = run_command(
+        {"aloft", "live", "--run", run.place.run, "--domain", test_domain(), "--operator", "--secure", old.string()});
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Contains("operator/cert.pem: is missing"));
+  }
+  CHECK(run.goes_on());
+}
+
 TEST_CASE("a process refuses to start with wrong keys") {
   const ScratchDir scratch;
   const fs::path keys = scratch / "keys";

@@ -2,8 +2,8 @@
 // Usage: node page_test.mjs ALOFT_PROGRAM SOURCE_FOLDER NODE_MODULES [SCREENSHOT_FOLDER]
 
 import assert from 'node:assert/strict';
-import {spawn} from 'node:child_process';
-import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {spawn, spawnSync} from 'node:child_process';
+import {existsSync, mkdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {createServer} from 'node:http';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
@@ -378,5 +378,43 @@ describe('aloft run --live', {timeout: 300000}, () => {
     assert.ok(await browser.evaluate(`document.querySelector('#tab-run').textContent.includes(${JSON.stringify(`aloft live ${folder}`)})`));
     assert.ok(live.printed().includes(`aloft live ${folder}`));
     await assert.rejects(fetch(base()));
+  });
+});
+
+describe('without a run on the bus', {timeout: 60000}, () => {
+  const experiment = join(scratch, 'short.json');
+  before(() => { writeFileSync(experiment, JSON.stringify({name: 'short', seed: 5, trials: 2, world: {kind: 'generated', bs_density_per_km2: 5, steps: 10}, agents: ['min-height']})); });
+
+  test('a desktop opens the page by itself, others get the address alone', async () => {
+    const programs = join(scratch, 'bin');
+    const opened = join(scratch, 'opened');
+    mkdirSync(programs);
+    writeFileSync(join(programs, 'xdg-open'), `#!/bin/sh\necho "$1" >> ${opened}\n`, {mode: 0o755});
+    const inTerminal = (out, environment) => spawnSync('script', ['-qec', `${aloft} run ${experiment} --in-process --live --out ${join(scratch, out)}`, '/dev/null'], {encoding: 'utf8', env: {...process.env, PATH: `${programs}:${process.env.PATH}`, DISPLAY: '', WAYLAND_DISPLAY: '', ...environment}});
+    for (const [out, environment] of [['x11', {DISPLAY: ':0'}], ['wayland', {WAYLAND_DISPLAY: 'wayland-0'}]]) {
+      rmSync(opened, {force: true});
+      const finished = inTerminal(out, environment);
+      assert.equal(finished.status, 0, finished.stdout);
+      const address = /Watch it at (http:\S+)/.exec(finished.stdout)[1];
+      for (let wait = 0; wait < 100 && !existsSync(opened); ++wait) await new Promise((resolve) => { setTimeout(resolve, 50); });
+      assert.equal(readFileSync(opened, 'utf8').trim(), address);
+    }
+    rmSync(opened);
+    assert.match(inTerminal('text', {}).stdout, /Watch it at http/);
+    const piped = spawnSync(aloft, ['run', experiment, '--in-process', '--live', '--out', join(scratch, 'piped')], {encoding: 'utf8', env: {...process.env, PATH: `${programs}:${process.env.PATH}`, DISPLAY: ':0'}});
+    assert.match(piped.stderr, /Watch it at http/);
+    assert.ok(!existsSync(opened));
+  });
+
+  test('orders are refused where nobody can take them', () => {
+    for (const [given, words] of [
+      [['run', experiment, '--operator'], '--live'],
+      [['run', experiment, '--operator', '--live', '--in-process'], '--in-process'],
+      [['live', join(scratch, 'results'), '--operator'], '--run NAME'],
+    ]) {
+      const refused = run(...given);
+      assert.equal(refused.status, 2);
+      assert.ok(refused.stderr.includes(words), refused.stderr);
+    }
   });
 });

@@ -28,7 +28,7 @@ int run(const RunOptions& options) {
       options.out.empty() ? std::filesystem::path("results") / experiment.name : options.out;
   const int exit_code = fly_experiment(experiment, dir, options.flying);
   if (options.flying.page.wanted)
-    fmt::print(stderr, "The page has ended with the run; see its flights with: aloft live {}\n", dir.string());
+    fmt::print(stderr, "The page of a run ends with it; see the flights with: aloft live {}\n", dir.string());
   if (exit_code == exit_interrupted) return exit_code;
   fmt::print("{}", comparison(dir, options.format, options.table.shape()));
   std::fflush(stdout);

@@ -17,6 +17,10 @@ constexpr std::chrono::milliseconds seen_within{2000};
 constexpr std::chrono::milliseconds listen_period{20};
 constexpr std::chrono::milliseconds idle_period{100};
 constexpr std::size_t watched_limit = 8;
+/// What a worker sends costs it, and this process, some microseconds each: so much a second on average is not noticed.
+constexpr std::chrono::microseconds time_per_sample{500};
+/// In one go; then it rests, also in the middle of a flight.
+constexpr std::int64_t samples_in_one_go = 20'000;
 
 }  // namespace
 
@@ -70,15 +74,27 @@ void FlightWatch::hear(const std::string& name, Worker& worker) {
     worker.ears = std::make_unique<Ears>(place);
   }
   const auto now = Clock::now();
-  if (std::ranges::none_of(worker.streams, [&](const auto& one) { return one.second.log.wants_more(now); }))
-    return worker.ears->rest();
+  const bool wanted =
+      std::ranges::any_of(worker.streams, [&](const auto& one) { return one.second.log.wants_more(now); });
+  if (!wanted || worker.samples > samples_in_one_go) return rest(worker);
+  if (now < worker.rests_until) return;
+  if (!worker.ears->reports) worker.began = now;
   worker.ears->listen();
   worker.ears->reports->drain([&](const wire::ChannelReport& report) {
+    ++worker.samples;
     for (auto& [stream, watched] : worker.streams) watched.log.hear(report, now);
   });
   worker.ears->commands->drain([&](const wire::HeightCommand& command) {
+    ++worker.samples;
     for (auto& [stream, watched] : worker.streams) watched.log.hear(command);
   });
+}
+
+void FlightWatch::rest(Worker& worker) {
+  if (!worker.ears->reports) return;
+  worker.ears->rest();
+  worker.rests_until = worker.began + worker.samples * time_per_sample;
+  worker.samples = 0;
 }
 
 http::HttpResponse FlightWatch::answer(const http::HttpRequest& request) {

@@ -40,11 +40,15 @@ class FlightWatch {
   struct Worker {
     std::unique_ptr<Ears> ears;
     std::map<std::optional<std::uint32_t>, Watched> streams;
-    std::string problem;  ///< why it cannot be listened to
+    std::string problem;            ///< why it cannot be listened to
+    Clock::time_point began;        ///< to listen
+    std::int64_t samples = 0;       ///< heard since
+    Clock::time_point rests_until;  ///< so that what is heard stays within bounds
   };
 
   [[nodiscard]] http::HttpResponse answer(const http::HttpRequest& request);
   void hear(const std::string& name, Worker& worker);
+  static void rest(Worker& worker);
   void forget_unseen();
 
   bus::BusOptions run_;

@@ -126,7 +126,7 @@ export class RunTab {
     for (const {field, canvas} of this.charts) {
       const values = this.history.map((point) => point[field]);
       const range = extent([values, [0]]) ?? [0, 1];
-      plot(canvas, {height: 170, surface, x, xRange: [Math.min(-30, x[0]), 0], yRange: [0, range[1]], xTitle: 'Seconds', lines: [{values, colour: this.state.theme === 'dark' ? '#7db4f0' : '#0058a3', width: 2}]});
+      plot(canvas, {height: 170, surface, x, xRange: [Math.min(-30, x[0]), 0], yRange: [0, range[1] > 0.01 ? range[1] : 1], xTitle: 'Seconds', lines: [{values, colour: this.state.theme === 'dark' ? '#7db4f0' : '#0058a3', width: 2}]});
     }
   }
 }

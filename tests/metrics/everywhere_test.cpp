@@ -216,5 +216,5 @@ TEST_CASE("an upgrade that fails changes nothing") {
     CHECK_THROWS_AS(store::ResultStore::open_for_writing(dir, experiment), IntegrityError);
   }
   CHECK(format_of(dir) == 3);
-  CHECK(store::ResultStore::open_for_reading(dir).flights().size() == 21);
+  CHECK(store::ResultStore::open_for_reading(dir).count() == 21);  // their metrics need the traces
 }

@@ -2,6 +2,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include <array>
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "common/radio/expected_field.hpp"
@@ -46,6 +48,36 @@ void se_table(benchmark::State& state) {
   table(state, world_with(static_cast<double>(state.range(0)) / 10.0, 200.0, 3000.0));
 }
 BENCHMARK(se_table)->ArgName("bs_per_10_km2")->Arg(10)->Arg(25)->Arg(50)->Unit(benchmark::kMillisecond);
+
+/// SE tables over the channels of TR 36.777 (1: urban macro, 2: urban micro, 3: rural macro) beside that of the paper's
+/// model, with the same base stations: `ratio` is of the CPU times of both, taken in turns.
+void se_table_by_model(benchmark::State& state) {
+  const std::array<const char*, 3> models{"uma-av", "umi-av", "rma-av"};
+  const auto world_over = [](const char* model) {
+    return radio::resolve_generated_world({{"propagation", model}, {"bs_density_per_km2", 5}}, "world");
+  };
+  const Parameters paper = world_over("power-law");
+  const Parameters aerial = world_over(models.at(static_cast<std::size_t>(state.range(0)) - 1));
+  double paper_ticks = 0.0;  // of CPU time
+  double aerial_ticks = 0.0;
+  std::uint32_t trial = 0;
+  const auto make = [&trial](const Parameters& world, const world::City& city, double& ticks) {
+    const std::clock_t begin = std::clock();
+    const auto map = radio::make_generated_map(world, city, seed, trial);
+    map->prepare();
+    benchmark::DoNotOptimize(map.get());
+    ticks += static_cast<double>(std::clock() - begin);
+  };
+  for ([[maybe_unused]] auto _ : state) {
+    world::City city = world::generate_city(paper, seed, trial);
+    make(paper, city, paper_ticks);
+    city.base_station_height_m = aerial.number("base_station_height_m");
+    make(aerial, city, aerial_ticks);
+    trial = (trial + 1) % trials;
+  }
+  state.counters["ratio"] = aerial_ticks / paper_ticks;
+}
+BENCHMARK(se_table_by_model)->ArgName("model")->DenseRange(1, 3)->Unit(benchmark::kMillisecond)->MinTime(3.0);
 
 /// The expected field of an exact site map, to compare with the SE table of the same city: 101 points x 21 heights. 1:
 /// among buildings that are drawn, too.

@@ -245,13 +245,15 @@ double lowest_height_m(const AerialLink& link, double level) {
   const AerialScenarioFacts limits = facts(link.scenario);
   double low_m = limits.base_station_height_m;
   if (link.blend_m > 0.0) return first_without_jumps_m(link, low_m, level);
+  const bool never_certain = limits.certain_above_m == aerial_height_max_m;
+  if (never_certain && !reached(limits.certain_above_m)) return std::numeric_limits<double>::infinity();
   if (low_m <= limits.aerial_above_m) {
     if (reached(low_m)) return low_m;
     low_m = std::nextafter(limits.aerial_above_m, std::numeric_limits<double>::infinity());
   }
   if (reached(low_m)) return low_m;
-  if (reached(limits.certain_above_m)) return first_reached_m(link, low_m, limits.certain_above_m, level);
-  if (limits.certain_above_m == aerial_height_max_m) return std::numeric_limits<double>::infinity();
+  if (never_certain || reached(limits.certain_above_m))
+    return first_reached_m(link, low_m, limits.certain_above_m, level);
   return std::nextafter(limits.certain_above_m, std::numeric_limits<double>::infinity());
 }
 

@@ -105,9 +105,8 @@ class Aerial final : public LinkModel {
     else
       run_vectorised<gain_row<scenario, false>>(&carrier_, link.distance_m, base_m, height_m.data(), height_m.size(),
                                                 gain);
-    if (always_aerial()) return;
-    for (std::size_t i = 0; i < height_m.size(); ++i)
-      if (height_m[i] <= table_above_m()) gain[i] = low_gain(at(link, height_m[i]), line_of_sight);
+    const std::size_t low = low_heights(height_m);
+    for (std::size_t i = 0; i < low; ++i) gain[i] = low_gain(at(link, height_m[i]), line_of_sight);
   }
 
   void mean_gains(world::Position uav, std::span<const double> distance_m, bool line_of_sight, double height_m,
@@ -152,10 +151,9 @@ class Aerial final : public LinkModel {
       const double above_db = shadowing_deviation_db(at(link, aerial_height_max_m), false);
       std::fill_n(deviation_db, height_m.size(), above_db);
     }
-    if (always_aerial()) return;
-    for (std::size_t i = 0; i < height_m.size(); ++i)
-      if (height_m[i] <= table_above_m())
-        deviation_db[i] = shadowing_deviation_db(at(link, height_m[i]), line_of_sight);
+    const std::size_t low = low_heights(height_m);
+    for (std::size_t i = 0; i < low; ++i)
+      deviation_db[i] = shadowing_deviation_db(at(link, height_m[i]), line_of_sight);
   }
 
  private:
@@ -163,8 +161,13 @@ class Aerial final : public LinkModel {
 
   /// Above this height path loss and deviation are those of TR 36.777 alone.
   [[nodiscard]] double table_above_m() const noexcept { return facts(scenario).aerial_above_m + blend_m_; }
-  /// No UAV flies below the base stations.
-  [[nodiscard]] bool always_aerial() const noexcept { return base_m > table_above_m(); }
+  /// How many heights of a row are not above it: they come first.
+  [[nodiscard]] std::size_t low_heights(std::span<const double> height_m) const noexcept {
+    const double above_m = table_above_m();
+    std::size_t low = 0;
+    while (low < height_m.size() && height_m[low] <= above_m) ++low;
+    return low;
+  }
   [[nodiscard]] AerialLink at(const LinkPlace& link, double height_m) const noexcept {
     return {scenario, carrier_ghz_, link.distance_m, height_m, blend_m_};
   }

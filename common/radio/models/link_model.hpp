@@ -42,8 +42,8 @@ class LinkModel {
   /// Whether height_m is at least blocking_height_m(). The default compares; a model can be faster.
   [[nodiscard]] virtual bool line_of_sight(const LinkPlace& link, double height_m) const;
 
-  /// gain[i] is the mean gain with the UAV at height_m[i]; line of sight is the same for the whole row. Elements do not
-  /// depend on each other: each has the same bits as in a row of its own.
+  /// gain[i] is the mean gain with the UAV at height_m[i], which ascend; line of sight is the same for the whole row.
+  /// Elements do not depend on each other: each has the same bits as in a row of its own.
   virtual void mean_gain_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
                              double* gain) const = 0;
 
@@ -59,8 +59,8 @@ class LinkModel {
   /// Shadowing of all links with or without line of sight, which the radio draws and multiplies with the mean gain. The
   /// default is none.
   [[nodiscard]] virtual Shadowing shadowing(bool line_of_sight) const;
-  /// deviation_db[i] is the standard deviation of shadowing with the UAV at height_m[i], at most that of shadowing().
-  /// Elements do not depend on each other. The default is 0.
+  /// deviation_db[i] is the standard deviation of shadowing with the UAV at height_m[i], which ascend; at most that of
+  /// shadowing(). Elements do not depend on each other. The default is 0.
   virtual void shadowing_row(const LinkPlace& link, bool line_of_sight, std::span<const double> height_m,
                              double* deviation_db) const;
 };

@@ -1,9 +1,11 @@
 #include "common/radio/aerial_link.hpp"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 using namespace aloft::radio;
 
@@ -52,6 +54,48 @@ TEST_CASE("TR 36.777: probability, path loss and shadowing at 2 GHz") {
     CHECK(shadowing_deviation_db(link, true) == Approx(point.shadow_los_db).margin(1e-4));
     CHECK(shadowing_deviation_db(link, false) == Approx(point.shadow_nlos_db).margin(1e-4));
   }
+}
+
+TEST_CASE("the errors of public code would change what these tests check, as docs/fidelity.md says") {
+  struct Error {
+    double right;
+    double wrong;
+    double told;  // in the document
+  };
+  const auto lg = [](double x) { return std::log10(x); };
+  const double near_m = std::hypot(1000.0, 25.0);
+  const double breakpoint_m = 4.0 * (25.0 - 1.5) * (1.5 - 1.0) * 2e9 / 3e8;
+  const double d1_m = 294.05 * lg(300) - 432.94;
+  const double low_los_db =  // rural, with buildings of 10 m: the user's height
+      20.0 * lg(80.0 * std::numbers::pi * near_m / 3.0) + std::min(0.03 * std::pow(10.0, 1.72), 10.0) * lg(near_m) -
+      std::min(0.044 * std::pow(10.0, 1.72), 14.77) + 0.002 * near_m;
+  const std::array errors{
+      Error{path_loss_db({uma, 2.0, 2000.0, 1.5}, true),
+            28.0 + 40.0 * lg(std::hypot(2000.0, 23.5)) + 20.0 * lg(2) -
+                9.0 * lg(breakpoint_m * breakpoint_m + 23.5 * 23.5),
+            121.1130},
+      Error{path_loss_db({uma, 2.0, 500.0, 30.0}, true), 28.0 + 22.0 * lg(std::hypot(500.0, 28.5)) + 20.0 * lg(2),
+            93.4134},
+      Error{path_loss_db({uma, 2.0, 2000.0, 100.0}, false),
+            13.54 + 39.08 * lg(std::hypot(2000.0, 75.0)) + 20.0 * lg(2) - 0.6 * 23.5, 134.4768},
+      Error{path_loss_db({umi, 2.0, 200.0, 25.0}, false), 32.4 + 43.2 - 7.6 * lg(25) + 20.0 * lg(2e9), 250.9963},
+      Error{line_of_sight_probability({umi, 2.0, 100.0, 300.0}),
+            d1_m / 100.0 + std::exp(-100.0 / (233.98 * lg(300) - 0.95)) * (1.0 - d1_m / 100.0), 1.31},
+      Error{line_of_sight_probability({rma, 2.0, 1000.0, 10.0}), std::exp(-9.9), 0.000050},
+      Error{path_loss_db({rma, 2.0, 2000.0, 20.0}, false), path_loss_db({rma, 2.0, 2000.0, 20.0}, true), 109.6267},
+      Error{path_loss_db({rma, 2.0, 1000.0, 10.0}, true), low_los_db, 102.8800},
+  };
+  for (const Error& error : errors) {
+    INFO(error.right << ", with the error " << error.wrong);
+    CHECK(std::fabs(error.right - error.wrong) > 1e-2);
+    CHECK(error.wrong == Approx(error.told).margin(error.told > 2.0 ? 5.1e-5 : error.told > 1.0 ? 5e-3 : 5.1e-7));
+  }
+  // Free space never decides in urban micro cells: an error in it changes nothing.
+  for (double height_m = 22.51; height_m <= 300.0; height_m += 0.5)
+    for (double distance_m = 0.0; distance_m <= 4000.0; distance_m += 20.0) {
+      const double slant_m = std::hypot(distance_m, height_m - 10.0);
+      CHECK(path_loss_db({umi, 2.0, distance_m, height_m}, true) > 32.45 + 20.0 * lg(slant_m) + 20.0 * lg(2));
+    }
 }
 
 TEST_CASE("TR 38.901 beyond the breakpoint") {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "common/agents/registry.hpp"
@@ -57,21 +59,34 @@ Json one_of_these(const char* key, const std::vector<std::string>& words) {
   return {{"properties", {{key, {{"anyOf", Json::array({one, Json{{"type", "array"}, {"items", one}}})}}}}}};
 }
 
+/// The parameters of channel models, by the models that have them.
+std::map<std::vector<std::string>, std::vector<std::string>> parameters_by_models() {
+  std::map<std::string, std::vector<std::string>> models_of;
+  for (const radio::LinkModelType& model : radio::link_model_types())
+    for (const ParameterSpec& spec : model.parameters) models_of[spec.name].push_back(model.name);
+  std::map<std::vector<std::string>, std::vector<std::string>> parameters;
+  for (const auto& [parameter, models] : models_of) parameters[models].push_back(parameter);
+  return parameters;
+}
+
 /// A world has the parameters of its own channel model alone: of the one it names, or that of its preset.
 Json channel_model_rules() {
   Json rules = Json::array();
-  for (const radio::LinkModelType& model : radio::link_model_types()) {
-    if (model.parameters.empty()) continue;
-    Json named = one_of_these("propagation", {model.name});
+  for (const auto& [models, parameters] : parameters_by_models()) {
+    Json named = one_of_these("propagation", models);
     named["required"] = Json::array({"propagation"});
-    const std::vector<std::string> presets = radio::presets_with(model);
+    std::vector<std::string> presets;
+    for (const std::string& model : models)
+      for (std::string& preset : radio::presets_with(radio::link_model_type(model)))
+        presets.push_back(std::move(preset));
     Json of_preset = one_of_these("preset", presets);
     of_preset["not"] = {{"required", Json::array({"propagation"})}};
-    if (model.name != radio::default_link_model) of_preset["required"] = Json::array({"preset"});
+    if (std::ranges::find(models, radio::default_link_model) == models.end())
+      of_preset["required"] = Json::array({"preset"});
     Json chosen{{"anyOf", Json::array({std::move(named)})}};
     if (!presets.empty()) chosen["anyOf"].push_back(std::move(of_preset));
     Json own = Json::object();
-    for (const ParameterSpec& spec : model.parameters) own[spec.name] = false;
+    for (const std::string& parameter : parameters) own[parameter] = false;
     rules.push_back({{"if", std::move(chosen)}, {"else", {{"properties", std::move(own)}}}});
   }
   return rules;

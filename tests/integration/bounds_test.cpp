@@ -84,6 +84,8 @@ TEST_CASE("pipes and devices are refused as files") {
     refuses({"aloft", "validate", endless});
     refuses({"aloft", "coordinator", endless, "--run", "x", "--out", (scratch / "out").string()});
     refuses({"aloft", "import-rdata", endless, "--out", (scratch / "grid.csv").string()});
+    refuses({"aloft", "import-scatter", endless, "--sinr", "sinr", "--out", (scratch / "grid.csv").string()});
+    refuses({"aloft", "import-map", endless, "--route", "0,0", "--out", (scratch / "grid.csv").string()});
     refuses({"aloft", "train", "pretrained", "--config", endless, "--out", (scratch / "model.pb").string()});
     CHECK_THAT(refusal_of(experiment_of(R"("kind": "measured", "file": ")" + endless + "\"", R"("min-height")")),
                Contains("world.file") && Contains(endless));
@@ -121,6 +123,11 @@ TEST_CASE("numbers out of range, and texts that are no number, are refused by na
       CHECK_THAT(refusal({"aloft-coordinator", "--experiment", "x", "--results", "x", flag, endless}), Contains(flag));
     for (const char* flag : {"--height-min", "--height-step"})
       CHECK_THAT(refusal({"aloft", "import-rdata", "x", "--out", "/tmp/x.csv", flag, endless}), Contains(flag));
+    for (const char* flag : {"--radius", "--hole-max", "--apart", "--bandwidth", "--height-max", "--serving-load"})
+      CHECK_THAT(refusal({"aloft", "import-scatter", "x", "--sinr", "s", "--out", "/tmp/x.csv", flag, endless}),
+                 Contains(flag));
+    CHECK_THAT(refusal({"aloft", "import-map", "x", "--route", "0,0", "--out", "/tmp/x.csv", "--floor", endless}),
+               Contains("--floor"));
   }
 }
 

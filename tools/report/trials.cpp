@@ -179,8 +179,8 @@ std::vector<ConditionTrials> read_trials(const store::ResultStore& results) {
     const WorldKind kind = conditions[flight.key.condition].kind;
     agent.trials.push_back(flight.key.trial);
     agent.qos.push_back(flight.metrics.number(flight::quality) * qos_scale(kind));
-    agent.steps_at_m.push_back(
-        heights_of(store::decode_trace(results.trace(flight.key)), experiment.conditions.at(flight.key.condition)));
+    agent.steps_at_m.push_back(heights_of(store::decode_trace(results.trace(flight.key)),
+                                          results.experiment().conditions.at(flight.key.condition)));
     for (std::size_t i = flight::quality + 1; i < flight::metrics().size(); ++i) {
       const flight::Metric& metric = flight::metrics()[i];
       agent.metrics[std::string(metric.key)].push_back(flight.metrics.number(i) /

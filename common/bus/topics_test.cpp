@@ -30,8 +30,9 @@ std::string topics_of(security::Role role, security::Roles bus::TopicSettings::*
 }
 
 std::string table_of_roles() {
-  const std::map<security::Role, std::string> commands{{security::Role::observer, " (`aloft run`, `worker`, `status`)"},
-                                                       {security::Role::run_operator, " (`aloft swap`)"}};
+  const std::map<security::Role, std::string> commands{
+      {security::Role::observer, " (`aloft run`, `worker`, `status`, `live`)"},
+      {security::Role::run_operator, " (`aloft swap`, `live --operator`)"}};
   std::string table = "| role | writes | reads |\n|---|---|---|\n";
   for (const security::Role role : security::all_roles) {
     table += "| `" + std::string(to_text(role)) + "`" + (commands.contains(role) ? commands.at(role) : "");

@@ -13,9 +13,9 @@ struct Warning {
   std::string text;   ///< with the condition and what to know about it
 };
 
-/// Agents with a network trained beforehand, or a prior fitted beforehand, in worlds that it was not made for, naming the
-/// differences; agents that foresee another cell than the one that will serve; and costs that a world cannot charge.
-/// Measured flights whose file cannot be read are skipped.
+/// Agents with a network trained beforehand, or a prior fitted beforehand, in worlds that it was not made for, naming
+/// the differences; agents that foresee another cell than the one that will serve; and costs that a world cannot
+/// charge. Measured flights whose file cannot be read are skipped.
 [[nodiscard]] std::vector<Warning> warnings(const Experiment& experiment);
 
 }  // namespace aloft::experiment

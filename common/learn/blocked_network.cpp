@@ -17,9 +17,10 @@ constexpr std::size_t rounded_up(std::size_t n) {
   return (n + lanes - 1) / lanes * lanes;
 }
 
-/// Outputs of a block with padding. A tile of the weight gradients walks through several blocks and their moments at once.
-/// With an odd number of cache lines from block to block these lie in different sets of every cache; 128 lines apart they
-/// would share one set, which has room for 8 or 12, and each store would delay the loads after it (4K aliasing).
+/// Outputs of a block with padding. A tile of the weight gradients walks through several blocks and their moments at
+/// once. With an odd number of cache lines from block to block these lie in different sets of every cache; 128 lines
+/// apart they would share one set, which has room for 8 or 12, and each store would delay the loads after it (4K
+/// aliasing).
 constexpr std::size_t padded_outputs(std::size_t outputs) {
   return outputs | 1U;
 }

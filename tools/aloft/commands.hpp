@@ -15,8 +15,8 @@ using Job = std::function<int()>;
 /// Adds one subcommand to `app`, which sets `job` when the command line names it.
 using AddCommand = void(CLI::App& app, Job& job);
 AddCommand add_run, add_worker, add_coordinator, add_metrics, add_reproduce, add_swap, add_tournament, add_report,
-    add_validate, add_agents, add_export, add_digest, add_compare, add_import_rdata, add_import_scatter, add_import_map, add_inspect, add_status, add_keys,
-    add_doctor, add_train, add_live;
+    add_validate, add_agents, add_export, add_digest, add_compare, add_import_rdata, add_import_scatter, add_import_map,
+    add_inspect, add_status, add_keys, add_doctor, add_train, add_live;
 AddCommand add_inspect_link;  // of `inspect`
 
 /// An experiment file and what the command line changes in it.

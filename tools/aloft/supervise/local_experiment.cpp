@@ -58,7 +58,8 @@ bool fly_missing(const experiment::Experiment& experiment, const std::filesystem
     if (options.page.wanted) {
       bus::BusOptions no_run;
       no_run.run.clear();
-      for (const std::string& line : page.emplace(dir, no_run, options.page).first_news(page_limit)) progress.note(line);
+      for (const std::string& line : page.emplace(dir, no_run, options.page).first_news(page_limit))
+        progress.note(line);
     }
     failures =
         run_in_process(*results, options.workers_here(), options.shuffled, options.fail_fast, progress, interrupted);

@@ -118,6 +118,7 @@ const std::vector<Exception> exceptions{
     {"aloft reproduce", "--trials 1", "minutes of the DQN"},
     {"aloft reproduce --data gcq=gcq.csv", "--trials 1", "likewise"},
     {"aloft status --watch", "-", "it ends with Ctrl-C; tests/integration/status_test.cpp runs it"},
+    {"aloft live results/quick", "-", "likewise; tests/live/page_test.mjs opens it"},
     {"aloft swap --run lab --worker w0 --agent dqn", "-",
      "it needs a run in the air; tests/integration/swap_test.cpp has one"},
 };

@@ -13,7 +13,7 @@
 namespace aloft::importer {
 namespace {
 
-constexpr double rounding = 1e-6;  // of a multiple
+constexpr double multiple_rounding = 1e-6;  // of a multiple
 constexpr double heights_at_most = 1000;
 
 }  // namespace
@@ -21,9 +21,9 @@ constexpr double heights_at_most = 1000;
 std::vector<double> imported_heights(const HeightOptions& options, double lowest_m, double highest_m,
                                      std::string_view where) {
   const double step_m = options.step_m;
-  const double min_m = options.min_m.value_or(step_m * std::ceil(std::max(lowest_m, 0.0) / step_m - rounding));
-  const double max_m = options.max_m.value_or(step_m * std::floor(highest_m / step_m + rounding));
-  const double levels = std::floor((max_m - min_m) / step_m + rounding) + 1;
+  const double min_m = options.min_m.value_or(step_m * std::ceil(std::max(lowest_m, 0.0) / step_m - multiple_rounding));
+  const double max_m = options.max_m.value_or(step_m * std::floor(highest_m / step_m + multiple_rounding));
+  const double levels = std::floor((max_m - min_m) / step_m + multiple_rounding) + 1;
   if (!(levels >= 2 && levels <= heights_at_most))
     throw InputError(
         "{}: {:g} heights from {:g} to {:g} m in steps of {:g} m; a measured world has 2 to {:g}. The data are from "
@@ -44,7 +44,7 @@ std::vector<world::Position> places_along(const std::vector<world::Position>& co
     if (length_m / step_spacing_m + static_cast<double>(places.size()) > limits::steps)
       throw InputError("{}: the route is longer than {:g} km, which are {} steps of {:g} m; make it shorter", where,
                        limits::steps * step_spacing_m / 1e3, limits::steps, step_spacing_m);
-    for (; next_m <= length_m * (1.0 + rounding); next_m += step_spacing_m) {
+    for (; next_m <= length_m * (1.0 + multiple_rounding); next_m += step_spacing_m) {
       const double share = length_m > 0.0 ? std::min(next_m / length_m, 1.0) : 0.0;
       places.push_back({from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m)});
     }

@@ -7,7 +7,7 @@
 namespace aloft::live {
 namespace {
 
-constexpr std::chrono::milliseconds event_period{500};
+constexpr std::chrono::milliseconds run_period{500};
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::map<std::string, http::HttpRoute> RunWatch::routes() const {
     const std::lock_guard lock(mutex_);
     return json_answer(observer_.view().to_json(status::Clock::now()));
   };
-  return {{"/events/run", {news, true, event_period}}};
+  return {{"/events/run", {news, true, run_period}}};
 }
 
 }  // namespace aloft::live

@@ -11,8 +11,8 @@
 namespace aloft::live {
 namespace {
 
-constexpr std::chrono::milliseconds event_period{250};
-/// Whoever looks asks every event_period.
+constexpr std::chrono::milliseconds flight_period{250};
+/// Whoever looks asks every flight_period.
 constexpr std::chrono::milliseconds seen_within{2000};
 constexpr std::chrono::milliseconds listen_period{20};
 constexpr std::chrono::milliseconds idle_period{100};
@@ -121,7 +121,7 @@ http::HttpResponse FlightWatch::answer(const http::HttpRequest& request) {
 
 std::map<std::string, http::HttpRoute> FlightWatch::routes() {
   return {
-      {"/events/flight", {[this](const http::HttpRequest& request) { return answer(request); }, false, event_period}}};
+      {"/events/flight", {[this](const http::HttpRequest& request) { return answer(request); }, false, flight_period}}};
 }
 
 }  // namespace aloft::live

@@ -19,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::chrono::milliseconds event_period{1000};
+constexpr std::chrono::milliseconds results_period{1000};
 /// Statistics of a run that goes on take at most one part in so many of a core.
 constexpr int effort_divisor = 20;
 
@@ -85,7 +85,7 @@ std::map<std::string, http::HttpRoute> Replay::routes() {
              return json_answer(flight(number_of(request, "condition"), number_of(request, "trial")));
            }}},
           {"/data/results", {results_now}},
-          {"/events/results", {results_now, false, event_period}}};
+          {"/events/results", {results_now, false, results_period}}};
 }
 
 }  // namespace aloft::live

@@ -9,7 +9,7 @@
 namespace aloft::agents {
 
 /// The number of the plugin interface: rises with every change of the headers that plugins include.
-inline constexpr std::uint32_t plugin_interface = 3;
+inline constexpr std::uint32_t plugin_interface = 4;
 
 /// Differs between compilations that lay out the exchanged types differently: another standard library, its debug mode,
 /// or headers that were changed without a new number.
